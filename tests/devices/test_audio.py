@@ -138,7 +138,7 @@ def test_gain_is_refused_when_system_volume_differs(sink, monkeypatch):
         devices()
     try:
         set_volume("40%")
-        with pytest.raises(DeviceFailed, match=r"a volume of 100 %, expected one of a volume of 40 %, as it is now;"):
+        with pytest.raises(DeviceFailed, match=r"a volume of 100 %, expected a volume of 40 %, the current setting;"):
             devices(system_volume=1.0)
         assert devices(system_volume=0.4).output.name == "audio pulse"
     finally:

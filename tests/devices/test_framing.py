@@ -213,7 +213,7 @@ def test_implausible_force_is_a_lost_sample(overload):
     ("form", "message"),
     [
         ({}, "found none, or more than one, of newtons_per_count, polynomial and table_counts"),
-        ({"newtons_per_count": 1.0, "polynomial": (0.0, 1.0)}, "found none or more than one"),
+        ({"newtons_per_count": 1.0, "polynomial": (0.0, 1.0)}, "found none, or more than one, of"),
         ({"newtons_per_count": 0.0}, "newtons_per_count: found 0.0, expected a finite nonzero number"),
         ({"newtons_per_count": math.inf}, "newtons_per_count: found inf, expected a finite nonzero number"),
         ({"polynomial": (0.0, math.nan)}, "polynomial: found .*expected at least two finite numbers"),

@@ -351,7 +351,7 @@ def test_one_bit_output_refuses_other_voltages():
     with pytest.raises(DeviceFailed, match="found a signal of 20 V, expected the 30 V of the supply"):
         output.final(volts([[20.0, -20.0]]))
     assert output.final(volts([[30.0, 0.0]])).samples.tolist() == [[30.0, 0.0]]
-    with pytest.raises(DeviceFailed, match="expected \\+V, -V and 0 .*nothing was played"):
+    with pytest.raises(DeviceFailed, match="expected only \\+V, -V and 0 .*nothing was played"):
         output.final(volts([[30.0, 15.0]]))
     with pytest.raises(DeviceFailed, match="found a signal of 20 V"):
         output.play(volts([[20.0, -20.0]]))

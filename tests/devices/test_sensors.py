@@ -156,7 +156,10 @@ def test_noise_on_the_line_loses_no_frame(plugged):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (SerialSettings("no/line", 1000.0), r"serial no/line: cannot open the line \(No such file.*\), expected a dev"),
+        (
+            SerialSettings("no/line", 1000.0),
+            r"serial no/line: cannot open the line \(No such file.*\), expected a readable dev",
+        ),
         (UdpSettings("no.such.host.invalid", 1000.0), "the sensor cannot be reached .*expected its address"),
         (RecordedSettings("no/such/file.csv", 1000.0), "cannot be read as a recording"),
     ],
@@ -342,7 +345,7 @@ def test_recording_is_replayed_in_real_time(tmp_path):
         ("time_s,x\n", r"cannot be read as a recording \(found no rows of numbers, expected at least one row\)"),
         ("time_s,x,y\n0,1,2\n", "found the columns time_s, x, y, expected time_s and 1 channels"),
         ("time_s,x\n0\n", "found 1 columns of numbers for 2 names, expected equal numbers"),
-        ("time_s,x\n1,2\n0,3\n", "found times that do not rise"),
+        ("time_s,x\n1,2\n0,3\n", "found times that do not increase"),
         ("time_s,x\n1,a\n", "cannot be read as a recording"),
     ],
 )

@@ -192,7 +192,10 @@ def test_real_loopback_is_learned_as_a_wire(sink, tmp_path, artefacts):
     arguments += ["--quantity", "displacement", "--voltage-v", 5.0, "--band-hz", 200, 20000, "--sequence-order", 14]
     arguments += ["--duration-s", 0.01, "--out", "learnt.npz", "--figure", artefacts / "learnt.png", "--by", "ZG"]
     refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
-    assert (refused.returncode, "--hands-off: found no confirmation, expected it before a sweep" in refused.stderr) == (
+    assert (
+        refused.returncode,
+        "--hands-off: found no confirmation, expected one before a sweep" in refused.stderr,
+    ) == (
         2,
         True,
     )

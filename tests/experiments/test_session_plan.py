@@ -207,7 +207,7 @@ def test_practice_cycles_levels_and_counts_last_answers():
         rule = rule.after(answer)
     assert levels == [3.0, 2.0, 1.0, 3.0, 2.0, 1.0]
     assert rule.ending == "converged"
-    with pytest.raises(InvalidParameter, match="Practice.after: the procedure has finished"):
+    with pytest.raises(InvalidParameter, match="Practice.after: found a response after the end"):
         rule.after(1)
 
 

@@ -233,7 +233,7 @@ def test_people_among_simulated_participants_are_refused(tmp_path, lived, is_old
     root = Path(shutil.copytree(RECORDED / "yes-no", tmp_path / "older")) if is_older else lived
     before = contents(root)
     given = older(root) if is_older else {}
-    with pytest.raises(InvalidFile, match="found sessions of simulated participants, expected none next to"):
+    with pytest.raises(InvalidFile, match="found sessions of simulated participants, expected none in"):
         sit(root, SOUND, **{**given, "who": Who("P77", seed=1)})
     assert contents(root) == before
 

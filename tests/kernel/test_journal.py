@@ -233,7 +233,7 @@ def test_choices_keep_their_type_when_encoded():
 
 
 def test_folder_of_another_study_is_refused(lived):
-    with pytest.raises(InvalidFile, match="study.toml: found another study or other numbers"):
+    with pytest.raises(InvalidFile, match="study.toml: found another study, or other settings"):
         record(EXPERIMENT, TOML + b"\n# edited", lived, Who("P02", seed=1), simulated(EXPERIMENT, Who("P02", seed=1)))
 
 

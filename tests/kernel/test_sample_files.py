@@ -168,7 +168,7 @@ def test_rf64_file_is_read_with_large_size(tmp_path):
             "rate_hz=1 rate_hz=2 quantity=velocity unit=um/s', expected each word once",
         ),
         (HEADER, "found no rows of numbers, expected at least one row"),
-        ("# rate_hz=1000\n", "line 2: found '', expected a header row|found no row of numbers"),
+        ("# rate_hz=1000\n", "line 2: found '', expected a header row|found no rows of numbers"),
         ("", "'rate_hz' is not in the first line"),
         (HEADER + "1,2\n", "found 2 columns of numbers for 3 names, expected equal numbers"),
         (HEADER + "1,2,3\n1,2\n", "the number of columns changed from 3 to 2"),

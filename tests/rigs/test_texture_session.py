@@ -103,7 +103,7 @@ REFUSED = {
     ),
     "no such channel": (
         {}, {"channels = [0]": "channels = [99]"}, 2,
-        "position.channels: found 99, expected from 0 to 5, a channel of udp 127.0.0.1:9",
+        "position.channels: found 99, expected a channel of udp 127.0.0.1:9, from 0 to 5",
     ),
     "a place of long ago": (
         {"more": "position_latency_s = 2.5"}, {}, 2,
