@@ -126,7 +126,7 @@ class Questionnaire:
             expect(bool(item.poles or self.ends), f"{path}.poles", f"none for {item.id!r}", two)
         for key in ("id", "order"):
             _check_each_once(self.items, key)
-        expect(len(self.languages) > 0, "items", "no language with texts for all of them", "at least one")
+        expect(len(self.languages) > 0, "items", "no language with texts for all items", "at least one")
         for name, dimension in self.dimensions.items():
             for part in dimension.parts:
                 is_other = part in self.dimensions and part != name
@@ -292,7 +292,7 @@ class ChoiceForm:
         _check_each_once(self.items, "id")
         for n, item in enumerate(self.items):
             _check_item(item, f"items[{n}]")
-        expect(len(self.languages) > 0, "items", "no language with texts for all of them", "at least one")
+        expect(len(self.languages) > 0, "items", "no language with texts for all items", "at least one")
 
     @property
     def languages(self) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ class ParameterGrid:
         log_s = (shape.log_cdf if outcome else shape.log_sf)(z)
         s, floor, span = np.exp(log_s), guess if outcome else lapse, 1 - guess - lapse
         with np.errstate(divide="ignore"):
-            mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))  # span s + floor
+            mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))  # span * s + floor
         no_floor = floor == 0
         if no_floor.any():
             mixed[..., no_floor] = np.log1p(-guess - lapse)[no_floor] + log_s[..., None]

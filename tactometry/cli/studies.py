@@ -34,7 +34,7 @@ def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
         _say_studies()
         return
     if study is None:
-        raise InvalidParameter("STUDY: found none, expected the name of a study: tactometry new --list")
+        raise InvalidParameter("STUDY: found none, expected the name of a study; list them with tactometry new --list")
     _, content = load(study)
     if out == Path("-"):
         click.echo(content, nl=False)

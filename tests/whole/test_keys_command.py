@@ -75,7 +75,8 @@ def test_an_unknown_name_is_refused_with_the_nearest(name, near, capsys):
 def test_new_lists_the_built_in_studies(capsys):
     assert output(capsys, "new", "--list") == output(capsys, "studies")
     assert (
-        refused(capsys, "new") == "tactometry: STUDY: found none, expected the name of a study: tactometry new --list"
+        refused(capsys, "new")
+        == "tactometry: STUDY: found none, expected the name of a study; list them with tactometry new --list"
     )
 
 

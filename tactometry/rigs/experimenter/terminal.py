@@ -31,8 +31,8 @@ KEYS: Final[dict[str, Wish]] = {
     "?": "help",
 }
 WORDS: Final[dict[str, Wish]] = KEYS | {wish: wish for wish in KEYS.values()}
-OF_TRIALS: Final = "p pause   g go on   r repeat this trial   i invalidate the one before"
-OF_SESSION: Final = "k skip this block   b rest   e end in good order   n TEXT remark   s stop"
+OF_TRIALS: Final = "p pause   g go on   r repeat this trial   i invalidate the last trial"
+OF_SESSION: Final = "k skip this block   b rest   e end the session   n TEXT remark   s stop"
 HELP: Final = f"{OF_TRIALS}   (return)\n{OF_SESSION}"
 """Help text, in lines shorter than 80 characters."""
 
