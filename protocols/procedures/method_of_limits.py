@@ -110,7 +110,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     - `low`: Lowest level that is presented.
     - `high`: Highest level that is presented.
     - `step`: Distance between neighbouring levels.
-    - `n_series`: Number of series.
+    - `n_series`: Number of series in a track.
     - `n_start_steps`: With a generator, `begin` moves the start of each series inwards by 0 to this number of steps, so
       that participants cannot count steps.
     - `direction`: Direction of the series.

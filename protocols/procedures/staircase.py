@@ -139,7 +139,7 @@ class UpDown(SteppingRule["StaircaseRun"]):
 @dataclass(frozen=True)
 @constrained
 class Staircase(UpDown):
-    """n-up m-down staircase.
+    """Staircase that follows an n-up m-down rule.
 
     `n_down` correct responses in a row lower the level, `n_up` wrong responses in a row raise it. The target of 1 up, m
     down is the level of p = 0.5^(1/m) correct (Levitt, J. Acoust. Soc. Am. 49, 467, 1971, table I). Levels are in a

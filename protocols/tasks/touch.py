@@ -35,7 +35,7 @@ class GatedTouch:
     begins, and while the stimulus plays. The wait for the stimulus lasts at most `timeout_s`.
 
     - `duration_s`: Duration of the stimulus.
-    - `force_n`: Requested force.
+    - `force_n`: Force that the participant is asked to apply.
     - `hold_s`: Duration for which the force must be held before the stimulus begins.
     - `timeout_s`: Time limit for the stimulus to begin. A later touch does not count.
     - `tolerance`: Largest relative deviation of the force. The default is 0.2, and 0.3 below 0.5 N.
@@ -77,7 +77,7 @@ class Sliding(GatedTouch):
     The cursor moves out and back over `length_m` at `speed_m_per_s`. The speed is gated within `speed_tolerance`
     (relative; None: not gated).
 
-    - `speed_m_per_s`: Requested speed.
+    - `speed_m_per_s`: Speed that the participant is asked to keep.
     - `length_m`: Length of the path, out and back.
     - `speed_tolerance`: Largest relative deviation of the speed. Without it the speed is not gated.
     """

@@ -310,7 +310,10 @@ def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
         ('kind = "preference"\nover = "force_n"', "task.over: found 'force_n', expected a factor of at least two"),
         ('kind = "rating"\nform = "attrakdif"', "task.form: found 'attrakdif', expected one of attrakdiff"),
         ('kind = "comparison"', "task.standard_level: found no such key, expected a number"),
-        ('kind = "adjustment"\nstep = 1\nlow = 20\nhigh = 30', "procedure: found levels from 22 to 40 where an adj"),
+        (
+            'kind = "adjustment"\nstep = 1\nlow = 20\nhigh = 30',
+            "procedure: found start levels of an adjustment from 22",
+        ),
         ('kind = "comparison"\nstandard_level = 99', "task.standard_level: found the highest level 99, expected one"),
         ('kind = "yes_no"\nn_intervals = 2', "task.n_intervals: found an unknown key, expected one of kind, catch_"),
         ('kind = "yes_no"\nrest_after = 0', "task.rest_after: found 0, expected a whole number, at least 1"),

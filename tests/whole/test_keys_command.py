@@ -32,7 +32,7 @@ def test_keys_prints_the_same_as_json(capsys):
         "unit": "N",
         "within": "above 0",
         "otherwise": "",
-        "means": "The force that is asked for.",
+        "means": "Force that the participant is asked to apply.",
         "example": "1.0",
         "see": "",
         "required": True,
