@@ -135,7 +135,9 @@ def test_commands_refuse_a_copy_under_another_name(lived, capsys, command, statu
 
 def test_copy_under_another_name_is_not_resumed(lived):
     copied_as(lived, "P99")
-    with pytest.raises(InvalidFile, match=r"P99.*jsonl, line 1: found session 1 of P01 \(tutorial\), expected that of"):
+    with pytest.raises(
+        InvalidFile, match=r"P99.*jsonl, line 1: found session 1 of P01 \(tutorial\), expected the session in"
+    ):
         live(lived, Who("P99", number=1), resume=True)
 
 
