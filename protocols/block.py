@@ -21,17 +21,17 @@ from .tasks.task import Presentation, Reply, Task, TrialOutcome
 FEEDBACK_S = 0.7
 """Duration of the feedback page (unverified default)."""
 UNTOUCHED = Touched(0.0, None, None)
-"""Touch in the row of a trial without a stimulus."""
+"""Placeholder touch in the row of a trial without a stimulus."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """Tracks that are presented together, and how.
+    """Tracks that are presented in one block, and how.
 
-    - `tracks`: More than one are interleaved.
-    - `task`: What is asked in a trial.
-    - `options`: How the trials follow each other.
-    - `practice`: Mark the rows as practice.
+    - `tracks`: Tracks of the block. Several tracks are interleaved.
+    - `task`: Course of a trial.
+    - `options`: Order, repetitions and rests.
+    - `practice`: True marks the rows as practice.
     """
 
     tracks: tuple[Track, ...]
@@ -48,12 +48,12 @@ class Block:
 
     @property
     def catch_rate(self) -> float:
-        """Catch rate of the options, 0 for a task without catch trials."""
+        """Catch rate of the options, or 0 for a task without catch trials."""
         return self.options.catch_rate if self.task.takes_catch_trials else 0.0
 
     @property
     def factors(self) -> dict[str, float | str]:
-        """Factors that all tracks share."""
+        """Factors with the same level in all tracks."""
         first, *others = (track.condition.factors for track in self.tracks)
         return {name: level for name, level in first.items() if all(other.get(name) == level for other in others)}
 
@@ -84,7 +84,7 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
         condition = state.tracks[index].condition
         shown = Presentation(condition.stimulus, slot.level, condition.touch, condition.alternatives)
         outcome = yield from block.task.trial(shown, rng)
-        # A row names what its presentation aborts: the state moves on before the row is recorded.
+        # the row states which tracks its presentation aborts, so the state is updated before the row is recorded
         before, state = state, state.after(slot, outcome)
         wanted = yield from _record_rows(block, number, slot, outcome, before, state)
         rested_s = outcome.onset_s if rested_s is None else rested_s
@@ -97,7 +97,7 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
 
 
 def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
-    """Show the pages of a rest and return the interventions meanwhile."""
+    """Show the pages of a rest and return the orders given during it."""
     pages = [] if options.rest_s is None else [Show("resting", duration_s=options.rest_s)]
     return (yield from heard([*pages, Show("rest")]))
 
@@ -105,7 +105,7 @@ def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
 def _intervene(
     begun: BlockState, number: int, state: BlockState, wanted: tuple[Intervention, ...]
 ) -> Course[BlockState]:
-    """Carry out all interventions, also during a rest, on a state."""
+    """Carry out all interventions on a state, including those during a rest."""
     while wanted:
         intervention, *later = wanted
         is_open = bool(state.open())
@@ -147,7 +147,7 @@ def _without(
 def _record_rows(
     block: Block, number: int, slot: Slot, outcome: TrialOutcome, before: BlockState, after: BlockState
 ) -> Course[tuple[Intervention, ...]]:
-    """Record rows, show feedback, and return the interventions meanwhile."""
+    """Record rows, show feedback, and return the interventions given meanwhile."""
     track = before.tracks[slot.track]
     *rows, last = (trial_row(block, number, slot, track, outcome, reply) for reply in outcome.replies or (Reply(),))
     pages: list[Record | Show] = [*map(Record, rows), Record(last, _abortion(number, before, after))]
@@ -157,7 +157,7 @@ def _record_rows(
 
 
 def _abortion(number: int, before: BlockState, after: BlockState) -> str | None:
-    """Say which tracks end unfinished and why, or return None."""
+    """Return which tracks end unfinished and why, or None."""
     pairs = zip(before.tracks, after.tracks, strict=True)
     lost = [then.name for was, then in pairs if then.aborted and not was.aborted]
     if not lost:
@@ -174,7 +174,7 @@ def _abortion(number: int, before: BlockState, after: BlockState) -> str | None:
 
 
 def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: TrialOutcome, reply: Reply) -> Trial:
-    """Return the row of a reply; its touch is the one whose level counts."""
+    """Return the row of a reply. Its touch is the one whose level counts."""
     touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
     is_catch, answer = slot.level is None, reply.answer
     return Trial(

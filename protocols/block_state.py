@@ -19,7 +19,7 @@ from .tasks.touch import Touch
 
 Interleaving = Literal["random", "balanced"]
 LEAST_RATE = 1e-6
-"""Least rate of catch trials: one in more than all trials of a session."""
+"""Smallest rate of catch trials. With a smaller rate, no session would be long enough to contain one."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Condition:
 
 @dataclass(frozen=True)
 class Track:
-    """A procedure on a condition, named if it is interleaved.
+    """Procedure on a condition, with a name if it is interleaved.
 
-    A track is not `begun` if the session had no time for its block, and `skipped` if the experimenter left it.
+    A track has not `begun` if the session had no time for its block. It is `skipped` if the experimenter ended it.
     """
 
     condition: Condition
@@ -50,7 +50,7 @@ class Track:
 
     @property
     def missed_practice(self) -> Practice | None:
-        """Practice whose track ended before its criterion was met, or None."""
+        """Return the practice whose track ended without its criterion, or None."""
         rule = self.procedure.rule if isinstance(self.procedure, Run) else self.procedure
         return rule if isinstance(rule, Practice) and self.ending in ("trials", "aborted") else None
 
@@ -64,25 +64,25 @@ class Track:
 
 
 PartCourse = Course[tuple[tuple[Track, ...], int]]
-"""Course of a part of a session, which returns its tracks at their end and the number of the next trial."""
+"""Course of a part of a session. Returns its tracks at their end and the number of the next trial."""
 
 
 @dataclass(frozen=True)
 @constrained
 class BlockOptions:
-    """Order, repetitions and rests of a block: keys of `task` for every kind.
+    """Order, repetitions and rests of a block: keys of `task` for all tasks.
 
-    - `catch_rate`: Share of catch trials (without stimulus) in a track, if the task has them.
-    - `n_attempts`: A track is aborted after this number of invalid presentations in a row, or attempts at one trial.
-      Before, an invalid presentation is repeated: at the end of the block if the procedure's order is fixed, else
-      when its track is due.
-    - `interleaving`: Each trial draws one of the unfinished tracks (``random``), or each round presents all of them
-      once, in random order (``balanced``).
-    - `feedback`: Report right or wrong after each answer.
+    - `catch_rate`: Fraction of catch trials (without a stimulus) in a track, if the task has them.
+    - `n_attempts`: A track is aborted after this number of invalid presentations in a row, or of attempts at one trial.
+      Until then, an invalid presentation is repeated: at the end of the block if the procedure has a fixed order, else
+      at the track's next turn.
+    - `interleaving`: With ``random`` each trial draws one of the unfinished tracks. With ``balanced`` each round
+      presents all of them once, in random order.
+    - `feedback`: Show after each answer whether it was right.
     - `rest_after`: Number of valid trials between two rests.
     - `rest_every_s`: Time from the last rest, or from the start of the block, to the next rest. The rest follows the
       first valid trial that begins after this time.
-    - `rest_s`: Shortest duration of a rest, counted down.
+    - `rest_s`: Minimum duration of a rest, shown as a countdown.
     - `longest_s`: Longest duration of a block. Unfinished tracks are then aborted.
     """
 
@@ -114,7 +114,7 @@ class BlockOptions:
 
 @dataclass(frozen=True)
 class Slot:
-    """A presentation of a track: trial number and level (None: catch trial)."""
+    """Presentation of a track: trial number and level (None: catch trial)."""
 
     track: int
     trial: int
@@ -126,7 +126,8 @@ class Slot:
 class BlockState:
     """State of a block: tracks, presentations to repeat, and time.
 
-    `log` has all presentations with their outcomes, None of one that was taken back: the state follows from it.
+    `log` contains all presentations with their outcomes, or None for a retracted presentation. The state follows
+    from it.
     """
 
     options: BlockOptions
@@ -140,7 +141,7 @@ class BlockState:
     log: tuple[tuple[Slot, TrialOutcome | None], ...] = ()
 
     def open(self) -> list[int]:
-        """Return the tracks that have something left to present."""
+        """Return the tracks with presentations left."""
         owed = {slot.track for slot in self.again if isinstance(self.tracks[slot.track].procedure, FixedOrder)}
         going = (n for n, track in enumerate(self.tracks) if not (track.aborted or track.skipped))
         return [n for n in going if n in owed or not self.tracks[n].procedure.finished]
@@ -152,7 +153,7 @@ class BlockState:
         return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
 
     def after(self, slot: Slot, outcome: TrialOutcome | None) -> "BlockState":
-        """Return the state after a presentation; None means it was withdrawn."""
+        """Return the state after a presentation. A None outcome means retracted."""
         state = replace(
             self,
             again=tuple(other for other in self.again if other.trial != slot.trial),
@@ -171,18 +172,18 @@ class BlockState:
         return replace(state, tracks=tuple(tracks), late=True)
 
     def skip(self) -> "BlockState":
-        """Skip the tracks that have something left."""
+        """Skip all tracks with presentations left."""
         still_open = self.open()
         tracks = (replace(track, skipped=n in still_open) for n, track in enumerate(self.tracks))
         return replace(self, tracks=tuple(tracks))
 
     def without(self, trial: int, attempt: int, begun: "BlockState") -> tuple["BlockState", tuple[Slot, ...]] | None:
-        """Take back a presentation and those whose level followed from it.
+        """Retract a presentation and those whose level depends on its answer.
 
         The result is None if the presentation does not count.
 
-        In an adaptive track, later levels followed from its answer: they are taken back with it, and it comes again at
-        its own level. `begun` is the state before the first trial.
+        In an adaptive track, later levels depend on the answer. Their presentations are retracted too, and this one
+        is repeated at its own level. `begun` is the state before the first trial.
         """
         counting = [n for n, (_, outcome) in enumerate(self.log) if outcome is not None and outcome.valid]
         place = next((n for n in counting if (self.log[n][0].trial, self.log[n][0].attempt) == (trial, attempt)), None)
@@ -215,7 +216,7 @@ class BlockState:
         """Return all tracks after an answer on one of them."""
         procedure = self.tracks[slot.track].procedure
         if isinstance(procedure, FixedOrder):
-            then = procedure if slot.attempt > 1 else procedure.skip()  # the level was left out before
+            then = procedure if slot.attempt > 1 else procedure.skip()  # a repeated level was skipped earlier
             return self._with(slot.track, procedure=then if outcome.success is None else then.take(outcome.success))
         delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
         success = outcome.success is not False  # a task without right answers counts as a success
@@ -224,7 +225,7 @@ class BlockState:
         return tuple(replace(track, procedure=procedure) for track, procedure in pairs)
 
     def _lose(self, slot: Slot) -> "BlockState":
-        """Present an invalid presentation again, or abort its track."""
+        """Repeat an invalid presentation, or abort its track."""
         n_in_a_row = self.n_invalid_in_a_row.get(slot.track, 0) + 1
         state = replace(self, n_invalid_in_a_row={**self.n_invalid_in_a_row, slot.track: n_in_a_row})
         if max(n_in_a_row, slot.attempt) < self.options.n_attempts:
@@ -254,7 +255,7 @@ def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool
     if catch_rate == 0:
         while True:
             yield False
-    # One in each group: drawn trial by trial, a short track could have none, or a run of them.
+    # one per group: if drawn for each trial, a short track could have none, or several in a row
     n_group = max(round(1 / catch_rate), 1)
     while True:
         caught = int(rng.integers(n_group))

@@ -38,14 +38,14 @@ def hearing(course: Course[T], wanted: list[Intervention], felt: list[Trial]) ->
 
 
 def not_asked_again(intervention: Intervention) -> Intervene:
-    """Return the request that invalidates a trial of a block that is over."""
+    """Return the request that invalidates a trial of a finished block."""
     trials = () if intervention.trial is None else (intervention.trial,)
     number = "".join(f" {trial}" for _, trial, _ in trials)
     return Intervene(intervention, f"trial{number} does not count, and is not asked again: its block is over", trials)
 
 
 def between_blocks(wanted: Iterable[Intervention], ahead: str = "") -> Course[bool]:
-    """Carry out interventions; return True if the part `ahead` is skipped."""
+    """Carry out interventions. Return True if the part `ahead` is skipped."""
     skipped = False
     for intervention in wanted:
         match intervention.wanted:

@@ -16,7 +16,7 @@ LARGEST_SEED = 2**128 - 1
 
 
 def williams_square(n: int) -> list[list[int]]:
-    """Return rows in which each condition follows each other equally often.
+    """Return rows in which each condition follows each other one equally often.
 
     n rows for even n, 2n for odd n (the square and its mirror image). Williams, Aust. J. Sci. Res. A2, 149 (1949).
 
@@ -24,14 +24,14 @@ def williams_square(n: int) -> list[list[int]]:
     [[0, 1, 3, 2], [1, 2, 0, 3], [2, 3, 1, 0], [3, 0, 2, 1]]
     """
     whole("williams_square", lowest=1, n=n)
-    # 0, 1, n - 1, 2, n - 2, ...: its steps are all different, so that every pair of neighbours comes once.
+    # 0, 1, n - 1, 2, n - 2, ...: all steps differ, so that every pair of neighbours occurs once
     zigzag = [(k + 1) // 2 if k % 2 else (n - k // 2) % n for k in range(n)]
     rows = [[(start + step) % n for step in zigzag] for start in range(n)]
     return rows + [row[::-1] for row in rows] if n % 2 and n > 1 else rows
 
 
 def nth_permutation(n: int, row: int) -> list[int]:
-    """Return permutation `row` (modulo n!) of 0..n-1, in lexicographic order.
+    """Return permutation `row` (modulo n!) of 0..n-1 in lexicographic order.
 
     >>> [nth_permutation(3, row) for row in range(6)]
     [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
@@ -49,7 +49,7 @@ ORDERS: Mapping[str, Callable[[int, int, np.random.Generator], list[int]]] = {
     "random": lambda n, row, rng: [int(k) for k in rng.permutation(n)],
     "fixed": lambda n, row, rng: list(range(n)),
 }
-"""Rules for the order of n levels in a row: balanced for carry-over, every order in turn, drawn, as in the file."""
+"""Rules for the order of n levels in a row: balanced for carry-over, all orders in turn, random, as in the file."""
 
 
 def n_orders(rule: str, n: int) -> int:
@@ -66,10 +66,10 @@ Nested = Mapping[str, Mapping[T, Mapping[str, Sequence[T]]]]
 
 @dataclass(frozen=True)
 class Crossing(Generic[T]):
-    """Factors with their levels, the slowest first, and their orders.
+    """Factors with their levels, the slowest factor first, and their orders.
 
-    - `rules`: One of `ORDERS` by factor; other factors are fixed.
-    - `nested`: By factor, level of it, and faster factor: the levels of the latter there.
+    - `rules`: One of `ORDERS` for each factor. Factors without a rule are fixed.
+    - `nested`: Levels of a faster factor at a level of a slower one, by slower factor, its level, and faster factor.
     """
 
     factors: Mapping[str, Sequence[T]]
@@ -80,9 +80,9 @@ class Crossing(Generic[T]):
         for name, rule in self.rules.items():
             one_of("plan.orders", rule, ORDERS)
             sizes = self._sizes(name)
-            unequal = f"a {rule} order over an unequal design ({' or '.join(map(str, sizes))} levels)"
+            unequal = f"a {rule} order of an unequal design ({' or '.join(map(str, sizes))} levels)"
             is_possible = rule not in ("williams", "complete") or len(sizes) == 1
-            equal = "as many levels everywhere; make them equal, or take random or fixed"
+            equal = "equal numbers of levels; make them equal, or choose random or fixed"
             expect(is_possible, f"plan.orders, {name}", unequal, equal)
 
     def _sizes(self, name: str) -> list[int]:
@@ -92,9 +92,9 @@ class Crossing(Generic[T]):
     def cells(self, row: int, rng: np.random.Generator) -> list[dict[str, T]]:
         """Return all combinations in the order of a row (from 0).
 
-        Each faster factor takes its next row whenever it starts anew, so that carry-over is balanced within a
-        participant too; and one more after each round of the slower factor's orders, so that every order of the one
-        meets every order of the other equally often.
+        Each faster factor moves to its next row whenever it restarts, so that carry-over is also balanced within a
+        participant. It skips one more row after each round of the slower factor's orders. So every order of one
+        factor meets every order of the other equally often.
         """
         return list(self._inner(list(self.factors), {}, row, rng))
 
@@ -121,10 +121,10 @@ def combinations(factors: Mapping[str, Sequence[T]]) -> list[dict[str, T]]:
 
 
 def stream(seed: int, *place: int) -> np.random.Generator:
-    """Return the random stream of a place in nested loops, as study, track.
+    """Return the random stream of a position in nested loops: study, track.
 
-    No other place has it, and no order of work changes it: a number of a place is one word of the key, and the seed at
-    most four.
+    The stream belongs to this position only and does not depend on the order of work. Each number of the position is
+    one word of the key, and the seed at most four.
 
     >>> float(stream(1, 0, 7).random()) == float(stream(1, 0, 7).random()) != float(stream(1, 7, 0).random())
     True

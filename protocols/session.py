@@ -36,7 +36,7 @@ class Part(Protocol):
 
     @property
     def instructions(self) -> str | None:
-        """Message before the first part of its kind, or None."""
+        """Message before the first part of this kind, or None."""
 
     @property
     def page(self) -> str:
@@ -53,11 +53,11 @@ class Part(Protocol):
 
 @dataclass(frozen=True)
 class Inquiry:
-    """A questionnaire or a form of choices, with a row for each item, all of one trial.
+    """Questionnaire or form of choices, whose items are rows of one trial.
 
-    Its page knows the names of `factors`; its rows hold the levels of `condition`, which its answers are about. An
-    inquiry that is `first` comes before anything was felt; one that is `of_block` is skipped if its block had no valid
-    touch. Raises `InvalidParameter` if `form` is neither.
+    The page shows the levels of `factors`. The rows contain the levels of the `condition` that the answers refer to.
+    An inquiry that is `first` precedes all stimuli. An inquiry `of_block` is skipped if its block had no valid
+    touch. Raises `InvalidParameter` if `form` is of another type.
     """
 
     form: Questionnaire | ChoiceForm
@@ -140,7 +140,7 @@ def words_of(form: ChoiceForm, language: str) -> dict[str, str]:
     for item in form.items:
         asked = question_of(form, item)
         words[asked.question] = item.prompt.get(language, "").replace("{", "{{").replace("}", "}}")
-        labels = zip(item.options, asked.labels, strict=False)  # without the label of no answer, shared by all
+        labels = zip(item.options, asked.labels, strict=False)  # without the label for no answer, shared by all
         words |= {label: item.category(option.code, language) for option, label in labels}
     return words
 
@@ -177,8 +177,7 @@ def session(
 ) -> Course[tuple[Track, ...]]:
     """Run all parts with their pages, and return the tracks at their end.
 
-    No part begins later than `longest_s` after the start, and none without the participant's `consent`, if that is
-    asked for.
+    No part begins later than `longest_s` after the start. If `consent` is asked for, no part begins without it.
     """
     wanted: list[Intervention] = []
     begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
@@ -201,7 +200,7 @@ def session(
         if at_s is None:
             tracks += [replace(track, skipped=True) for track in part.tracks]
             continue
-        # Checked between parts only: a part that has begun runs until it ends or times out.
+        # checked only between parts: a started part runs until it ends or times out
         if longest_s is not None and at_s - begun.at_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break
@@ -215,7 +214,7 @@ def session(
 
 
 def _practises_again(tracks: Sequence[Track], page: Show, wanted: list[Intervention]) -> Course[bool]:
-    """Ask how to go on after a missed practice; return True for a repeat."""
+    """Ask how to continue after a failed practice. Return True to repeat it."""
     missed = [track.missed_practice for track in tracks]
     if _ends(wanted) or not any(rule and rule.on_miss == "ask" for rule in missed):
         return False
@@ -228,7 +227,7 @@ def _practises_again(tracks: Sequence[Track], page: Show, wanted: list[Intervent
 
 
 def _opened(pages: Sequence[Show], ahead: str, wanted: list[Intervention]) -> Course[float | None]:
-    """Show pages; return when the last was left, or None if all is skipped."""
+    """Show pages. Return when the last was left, or None if all is skipped."""
     at_s = 0.0
     for page in pages:
         shown: Done = yield page
@@ -240,7 +239,7 @@ def _opened(pages: Sequence[Show], ahead: str, wanted: list[Intervention]) -> Co
 
 
 def _declined(wanted: list[Intervention]) -> Course[bool]:
-    """Ask for consent, which only the journal records; return True for no."""
+    """Ask for consent, which only the journal records. Return True for no."""
     if not _ends(wanted):
         said = yield from heard([Show("consent")])
         yield from between_blocks(said)

@@ -1,7 +1,7 @@
 """Run, simulate and analyse psychophysics experiments on touch.
 
-The names of `__all__` are what a script needs; `tactometry.stimuli`, `tactometry.protocols` and `tactometry.analysis`
-export further ones. A name is imported when it is first used.
+The names in `__all__` are those that most scripts need. `tactometry.stimuli`, `tactometry.protocols` and
+`tactometry.analysis` export further names. A name is imported when it is first used.
 """
 
 from typing import Any

@@ -1,7 +1,8 @@
 """Decorators for loops that numba compiles.
 
-Compiled code on disk is found by argument types. An `entry` therefore takes plain tuples, as a named one would tie the
-file to a class name, and `uniform` arguments, as other types would be compiled again, which takes seconds.
+Numba finds compiled code on disk by argument types. An `entry` therefore accepts plain tuples, because a named tuple
+would tie the file to a class name. Its arguments must be `uniform`, because other types would be compiled again,
+which takes seconds.
 """
 
 import hashlib
@@ -17,17 +18,17 @@ from numba.extending import register_jitable
 
 Loop = TypeVar("Loop", bound=Callable[..., object])
 AS_PART = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Skip the wrappers for calls from Python, a third of the compilation time."""
+"""Skip the wrappers for calls from Python, which take a third of the compilation time."""
 
 
 def compiled(loop: Loop) -> Loop:
-    """Compile a loop as a part of the entries that call it."""
+    """Compile a loop that is called by entries."""
     made: Loop = register_jitable(**AS_PART)(loop)
     return made
 
 
 def entry(loop: Loop) -> Loop:
-    """Compile a loop that Python calls, and keep it on disk."""
+    """Compile a loop that Python calls, and cache it on disk."""
     made: Loop = njit(cache=True)(loop)
     return made
 
@@ -36,14 +37,14 @@ def entry(loop: Loop) -> Loop:
 def called(function: Loop) -> Loop:
     """Compile a plain function for loops that call it.
 
-    On disk the loop is found by the function's name; `sources` in the loop distinguish it from other code.
+    On disk the loop is found by the function's name. `sources` in the loop distinguishes it from other code.
     """
     made: Loop = register_jitable(**AS_PART)(function)
     return made
 
 
 def sources(*functions: Callable[..., object]) -> str:
-    """Return a digest of the files of functions, or nothing without a file."""
+    """Return a digest of the source files of functions, empty without a file."""
     files = map(Path, sorted({inspect.getfile(function) for function in functions}))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()
 

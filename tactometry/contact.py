@@ -8,7 +8,7 @@ from .arguments.constraints import NotNegative, constrained
 @dataclass(frozen=True)
 @constrained
 class Contact:
-    """A finger with a normal force and a sliding speed."""
+    """Finger with a normal force and a sliding speed."""
 
     force_n: NotNegative
     speed_m_per_s: NotNegative = 0.0

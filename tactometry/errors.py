@@ -9,15 +9,15 @@ from typing import Final, TypeVar, cast
 T = TypeVar("T")
 
 LONGEST_WORD: Final = 300
-"""Longer values are shortened in messages to their two ends."""
+"""Length above which values are shortened in messages to their two ends."""
 LONGEST_SENTENCE: Final = 4000
 SIGNALLED: Final = 128
-"""Exit status of a process that a signal ended: this and the signal's number."""
+"""Exit status of a process that a signal ended: this value plus the signal's number."""
 _LONG_WORD = re.compile(rf"\S{{{LONGEST_WORD},}}")
 
 
 def shorten(text: str, longest: int) -> str:
-    """Leave out the middle of a long text.
+    """Remove the middle of a long text.
 
     >>> shorten("a" * 40, 10)
     'aaaaa... (30 letters) ...aaaaa'
@@ -37,15 +37,15 @@ class TactometryError(Exception):
 
 
 class InvalidParameter(TactometryError, ValueError):  # noqa: N818
-    """An argument, a key of a file or a cell of a table that cannot be used."""
+    """Unusable argument, key of a file, or cell of a table."""
 
 
 class InvalidFile(TactometryError):  # noqa: N818
-    """A study file, data set or journal with invalid content."""
+    """Study file, data set or journal with invalid content."""
 
 
 class Mistakes(InvalidFile, InvalidParameter):
-    """Several mistakes of one file, each a separate error in `parts`."""
+    """Several errors in one file, each a separate error in `parts`."""
 
     def __init__(self, parts: Iterable[TactometryError]) -> None:
         self.parts = tuple(parts)
@@ -53,12 +53,12 @@ class Mistakes(InvalidFile, InvalidParameter):
 
 
 def each_of(error: TactometryError) -> tuple[TactometryError, ...]:
-    """Return the mistakes of an error, of which most are one."""
+    """Return the separate errors contained in an error."""
     return error.parts if isinstance(error, Mistakes) else (error,)
 
 
 class Gathered:
-    """Mistakes of a file, raised together.
+    """Collector of the errors in a file, which are raised together.
 
     >>> found = Gathered()
     >>> for key in ("a", "b"):
@@ -75,14 +75,14 @@ class Gathered:
 
     @contextmanager
     def part(self) -> Iterator[None]:
-        """Keep the mistakes of the body."""
+        """Collect the errors of the body."""
         try:
             yield
         except (InvalidParameter, InvalidFile) as error:
             self.add(error)
 
     def made(self, make: Callable[[], T]) -> T:
-        """Return what `make` returns, or keep its mistakes for `end`."""
+        """Return the result of `make`, or collect its errors for `end`."""
         try:
             return make()
         except (InvalidParameter, InvalidFile) as error:
@@ -90,7 +90,7 @@ class Gathered:
             return cast("T", None)
 
     def add(self, error: TactometryError) -> None:
-        """Keep the mistakes of an error, the first at each place."""
+        """Collect the errors contained in an error, the first at each place."""
         for part in each_of(error):
             place = str(part).partition(": found ")[0].removeprefix(": ")
             if place not in self._places:
@@ -98,13 +98,13 @@ class Gathered:
                 self.errors.append(part)
 
     def end(self) -> None:
-        """Raise what was kept: one mistake, or `Mistakes`."""
+        """Raise the collected errors: a single one, or `Mistakes`."""
         if self.errors:
             raise self.errors[0] if len(self.errors) == 1 else Mistakes(self.errors)
 
 
 def reworded(error: TactometryError, kind: type[TactometryError], tell: Callable[[str], str]) -> TactometryError:
-    """Return an error of class `kind`, with each message converted by `tell`."""
+    """Return an error of class `kind` with each message converted by `tell`."""
     parts: list[TactometryError] = []
     for part in each_of(error):
         told = kind(tell(str(part)))
@@ -114,13 +114,13 @@ def reworded(error: TactometryError, kind: type[TactometryError], tell: Callable
 
 
 class LimitExceeded(TactometryError):  # noqa: N818
-    """A signal that must not reach a finger."""
+    """Signal that must not reach a finger."""
 
     exit_status = 3
 
 
 class DeviceFailed(TactometryError):  # noqa: N818
-    """A failure of a display, output, sensor or disk."""
+    """Failure of a display, output, sensor or disk."""
 
     exit_status = 3
 
@@ -130,7 +130,7 @@ class SessionInUse(TactometryError):  # noqa: N818
 
 
 class Diverged(TactometryError):  # noqa: N818
-    """A replayed session that differs from its recording."""
+    """Replayed session that differs from its recording."""
 
     exit_status = 1
 
@@ -158,7 +158,7 @@ def ended_by_signal(error: BaseException) -> bool:
 def library_needed(refusal: str) -> Iterator[None]:
     """Raise `DeviceFailed` if the body cannot import a library.
 
-    Its message is `refusal`, in which ``{error}`` is the reason.
+    The message is `refusal`, in which ``{error}`` is replaced by the reason.
 
     >>> with library_needed("lamp: found no lamps ({error}); pip install 'tactometry[lamp]'"):
     ...     import lamps
@@ -199,7 +199,7 @@ def reason(error: BaseException) -> str:
 
 @contextmanager
 def rewording(tell: Callable[[str], str]) -> Iterator[None]:
-    """Raise `InvalidParameter`, reworded by `tell`, for errors of a user.
+    """Raise user errors of the body as `InvalidParameter`, reworded by `tell`.
 
     >>> with rewording(lambda words: f"procedure.{words}"):
     ...     raise LimitExceeded("level: found 90, expected at most 40")
@@ -213,7 +213,7 @@ def rewording(tell: Callable[[str], str]) -> Iterator[None]:
 
 
 def nearest(found: str, names: Iterable[str], n: int = 1) -> str:
-    """Return a hint for a mistyped name: at most `n` similar ones.
+    """Return a hint with at most `n` names similar to a mistyped name.
 
     >>> nearest("procedur", ["procedure", "task"])
     "; did you mean 'procedure'?"

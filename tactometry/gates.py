@@ -12,7 +12,7 @@ from .arguments.require import expect, positive
 from .errors import InvalidParameter
 
 VALID_PART = 0.8
-"""Part of a touch that must be in the band for a valid trial (unverified default)."""
+"""Fraction of a touch that must be in the band for a valid trial (unverified default)."""
 WINDOW_S = 0.05
 """Window over which a speed is computed as displacement over duration (unverified default)."""
 
@@ -20,7 +20,7 @@ G = TypeVar("G")
 
 
 def _then(gate: G, **state: Any) -> G:
-    """Replace fields without checks, as there is a new gate for each sample."""
+    """Replace fields without checks, for speed: each sample creates a gate."""
     then: G = object.__new__(type(gate))
     vars(then).update(vars(gate), **state)
     return then
@@ -31,13 +31,13 @@ def _then(gate: G, **state: Any) -> G:
 class ForceGate:
     """Gate that opens once a force was held long enough.
 
-    Each sample makes a new gate. The hold starts again after a sample outside the band, a lost sample (NaN), a gap
-    above `max_gap_s` and a stamp that goes back: the gate may open late, never early.
+    Each sample creates a new gate. The hold restarts after a sample outside the band, a lost sample (NaN), a gap above
+    `max_gap_s` or a decreasing time stamp. So the gate may open late, but never early.
 
     - `target_n`: Force to hold, N, above 0.
-    - `tolerance`: Half width of the band relative to the target; it includes its edges.
-    - `hold_s`: How long the force must be held, s.
-    - `max_gap_s`: Longest interval between samples of one hold, s.
+    - `tolerance`: Half width of the band relative to the target. The band includes its edges.
+    - `hold_s`: Duration for which the force must be held, s.
+    - `max_gap_s`: Longest interval between two samples of a hold, s.
 
     >>> gate = ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.015)
     >>> for time_s, force_n in [(0.0, 0.5), (0.01, 0.9), (0.02, 1.1), (0.03, 1.0)]:
@@ -59,11 +59,11 @@ class ForceGate:
         return self.since_s is not None and self.last_s is not None and self.last_s - self.since_s >= self.hold_s
 
     def holds(self, force_n: float) -> bool:
-        """Return True if a force (N) is in the band. NaN is not."""
+        """Return True if a force (N) is in the band. NaN is outside."""
         return abs(force_n - self.target_n) <= self.tolerance * self.target_n
 
     def after(self, sample_time_s: float, force_n: float) -> "ForceGate":
-        """Return the gate after a sample (N) and its stamp (s)."""
+        """Return the gate after a sample (N) with its time stamp (s)."""
         if not (math.isfinite(sample_time_s) and self.holds(force_n)):
             return _then(self, since_s=None, last_s=None)
         follows = self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
@@ -72,7 +72,7 @@ class ForceGate:
 
 
 class Compliance(NamedTuple):
-    """Mean and spread of a force (N), and share (0..1) in the band."""
+    """Mean and spread of a force (N), and fraction (0..1) in the band."""
 
     mean_n: float
     sd_n: float
@@ -84,12 +84,12 @@ def compliance(
 ) -> Compliance:
     """Return how well a force was kept.
 
-    - `times_s`: Stamps, s, never going back.
-    - `forces_n`: Finite forces, N; at least one.
-    - `target_n`, `tolerance`: The band, as in `ForceGate`.
+    - `times_s`: Time stamps, s, never decreasing.
+    - `forces_n`: Finite forces, N, at least one.
+    - `target_n`, `tolerance`: Force band, as in `ForceGate`.
     - `window_s`: Length of the running mean, s.
 
-    `sd_n` divides by n_samples; `in_band` is the share (0..1) of samples whose running mean is in the band.
+    `sd_n` divides by n_samples; `in_band` is the fraction (0..1) of samples whose running mean is in the band.
 
     >>> compliance([0.0, 0.1, 0.2, 0.3], [1.0, 1.0, 2.0, 2.0], target_n=1.0, tolerance=0.25, window_s=0.1)
     Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
@@ -107,10 +107,10 @@ def compliances(
     tolerance: float,
     window_s: float = 0.25,
 ) -> list[Compliance]:
-    """Compute `compliance` of touches with equal stamps, unchecked."""
+    """Compute `compliance` of touches with the same time stamps, unchecked."""
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
-    first = np.minimum(first, behind - 1)  # a window shorter than any step after rounding contains its own sample
+    first = np.minimum(first, behind - 1)  # a window shorter than any step contains its own sample
     # reduceat sums between consecutive edges, so every second sum is a window; the appended 0 allows an edge at the end
     edges = np.column_stack([first, behind]).ravel()
     ended = np.pad(forces_n, ((0, 0), (0, 1)))
@@ -124,22 +124,22 @@ def compliances(
 def stamped_samples(
     owner: str, times_s: ArrayLike, values: ArrayLike, name: str, *, rising: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return finite values with their stamps (s), in order.
+    """Return finite values with their time stamps (s), in order.
 
-    Requires at least two `rising` stamps, or at least one and no step back.
+    Requires at least two `rising` stamps, or at least one stamp and none that decreases.
 
-    Raises `InvalidParameter` otherwise; `owner` opens the message, which calls the values by `name`.
+    Raises `InvalidParameter` otherwise. The message begins with `owner` and calls the values `name`.
     """
     times, samples = np.asarray(times_s, dtype=np.float64), np.asarray(values, dtype=np.float64)
     paired = times.ndim == 1 and times.shape == samples.shape and times.size >= 1 + rising
     sizes = f"{times.shape} stamps and {samples.shape} {name}"
-    expect(paired, owner, sizes, f"as many of both, at least {'two' if rising else 'one'}")
+    expect(paired, owner, sizes, f"equal numbers of both, at least {'two' if rising else 'one'}")
     for which, numbers in (("times_s", times), (name, samples)):
         finite = np.isfinite(numbers)
         if not finite.all():
             k = int(np.argmin(finite))
             raise InvalidParameter(
-                f"{owner}.{which}[{k}]: found {numbers[k]}, expected a finite number; leave lost samples out"
+                f"{owner}.{which}[{k}]: found {numbers[k]}, expected a finite number; remove lost samples"
             )
     wrong = times[1:] <= times[:-1] if rising else times[1:] < times[:-1]
     if wrong.any():
@@ -154,12 +154,13 @@ def stamped_samples(
 class SpeedGate:
     """Gate that is open while a finger moves at the target speed.
 
-    Each sample makes a new gate. The speed is known once samples without a gap span half of `window_s`; a lost sample
-    (NaN), a gap above `max_gap_s` and a stamp that does not advance begin anew: the gate may open late, never early.
+    Each sample creates a new gate. The speed is known once samples without a gap span half of `window_s`. The gate
+    restarts after a lost sample (NaN), a gap above `max_gap_s` or a time stamp that does not increase. So the gate may
+    open late, but never early.
 
-    - `target_m_per_s`: Speed, m/s, above 0; its sign does not count.
-    - `tolerance`: Half width of the band relative to the target; it includes its edges.
-    - `hold_s`: How long the speed must be kept, s.
+    - `target_m_per_s`: Speed in either direction, m/s, above 0.
+    - `tolerance`: Half width of the band relative to the target. The band includes its edges.
+    - `hold_s`: Duration for which the speed must be kept, s.
     - `window_s`, `max_gap_s`: Window of the speed and longest interval between samples, s.
 
     >>> gate = SpeedGate(target_m_per_s=0.05, tolerance=0.2, hold_s=0.01, window_s=0.02)
@@ -179,7 +180,7 @@ class SpeedGate:
 
     @property
     def speed_m_per_s(self) -> float | None:
-        """The present speed, m/s, at least 0, or None while unknown."""
+        """Current speed, m/s, at least 0, or None while unknown."""
         return self._speed_m_per_s(self.samples) if self.samples else None
 
     def _speed_m_per_s(self, samples: tuple[tuple[float, float], ...]) -> float | None:
@@ -203,7 +204,7 @@ class SpeedGate:
         return abs(speed_m_per_s - self.target_m_per_s) <= self.tolerance * self.target_m_per_s
 
     def after(self, sample_time_s: float, position_m: float) -> "SpeedGate":
-        """Return the gate after a position along the path (m) and its stamp (s)."""
+        """Return the gate after a position on the path (m) and its time stamp (s)."""
         if not (math.isfinite(sample_time_s) and math.isfinite(position_m)):
             return _then(self, samples=(), since_s=None)
         samples = self._window(sample_time_s, position_m)
@@ -214,13 +215,13 @@ class SpeedGate:
         if not self.samples or not 0 < sample_time_s - self.samples[-1][0] <= self.max_gap_s:
             return ((sample_time_s, position_m),)
         begin_s = sample_time_s - self.window_s
-        # stamps rise, so the first samples leave the window
+        # stamps increase, so the first samples leave the window
         n_left = next((n for n, (time_s, _) in enumerate(self.samples) if time_s >= begin_s), len(self.samples))
         return (*self.samples[n_left:], (sample_time_s, position_m))
 
 
 class SpeedCompliance(NamedTuple):
-    """Mean speed (m/s) of a path, and share (0..1) in the band."""
+    """Mean speed (m/s) of a path, and fraction (0..1) in the band."""
 
     mean_m_per_s: float
     in_band: float
@@ -231,10 +232,10 @@ def motion(
 ) -> SpeedCompliance:
     """Return how well a speed was kept. The mean is length over duration.
 
-    - `times_s`: Rising stamps, s; at least two.
+    - `times_s`: Increasing time stamps, s, at least two.
     - `positions_m`: Finite positions along the path, m.
-    - `target_m_per_s`, `tolerance`: The band, as in `SpeedGate`.
-    - `window_s`: Window around a sample over which its speed is taken, s.
+    - `target_m_per_s`, `tolerance`: Speed band, as in `SpeedGate`.
+    - `window_s`: Window around a sample over which its speed is computed, s.
 
     >>> motion([0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.02, 0.02], 0.1, tolerance=0.2, window_s=0.2).in_band
     0.5
@@ -252,7 +253,7 @@ def motions(
     tolerance: float,
     window_s: float = WINDOW_S,
 ) -> list[SpeedCompliance]:
-    """Compute `motion` of touches with equal stamps, unchecked."""
+    """Compute `motion` of touches with the same time stamps, unchecked."""
     speeds = speeds_m_per_s(times_s, positions_m, window_s)
     means_m_per_s = np.abs(np.diff(positions_m)).sum(axis=1) / (times_s[-1] - times_s[0])
     in_band = np.abs(speeds - target_m_per_s) <= tolerance * target_m_per_s * (1 + 1e-12)
@@ -272,11 +273,11 @@ def speeds_m_per_s(
 
 
 def _windows(times_s: NDArray[np.float64], window_s: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the first and the last sample of the window around each."""
+    """Return the first and last sample of the window around each sample."""
     half_s = window_s / 2 * (1 + 1e-9)  # keep a sample at the very end of a window despite rounding
     first = np.searchsorted(times_s, times_s - half_s, side="left")
     last = np.searchsorted(times_s, times_s + half_s, side="right") - 1
-    # a sample alone in its window is paired with the previous one, the first of all with the next
+    # a sample alone in its window is paired with the previous one, the first sample with the next
     alone = first == last
     last = np.where(alone & (first == 0), 1, last)
     return np.where(alone, np.maximum(first - 1, 0), first), last

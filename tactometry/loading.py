@@ -1,4 +1,4 @@
-"""Late imports by target strings and public names of packages."""
+"""Late imports by target strings, and public names of packages."""
 
 import ast
 import sys
@@ -24,7 +24,7 @@ def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[],
     """Return `__getattr__` and `__dir__` of a package for late imports.
 
     The package names each export under ``if TYPE_CHECKING:`` as ``from .module import Name as Name``, which type
-    checkers treat as a re-export; those lines are parsed here and set ``__all__``.
+    checkers treat as a re-export. Those lines are parsed here and set ``__all__``.
 
     >>> import tactometry.analysis.threshold
     >>> tactometry.analysis.threshold.__all__
@@ -59,7 +59,7 @@ def named(package: str) -> Callable[[], list[str]]:
 
 
 def _named_under_type_checking(source: str) -> list[tuple[str, str]]:
-    """Return each name with the module that it is imported from.
+    """Return each name with the module from which it is imported.
 
     >>> _named_under_type_checking("if TYPE_CHECKING:\\n    from .a.b import C as C, d as d")
     [('C', 'a.b'), ('d', 'a.b')]

@@ -13,25 +13,25 @@ from .gates import triangle
 from .signal import FloatArray, Signal, Stimulus
 
 N_KEPT: Final = 2**14
-"""Number of samples of a path that are kept, or half of it; drivers need only recent ones."""
+"""Largest number of samples of a path that are kept. Drivers need only recent samples."""
 HELD_S: Final = 0.1
-"""Time for which the last position is held; later the position is unknown (unverified default)."""
+"""Duration for which the last position remains valid. After it the position is unknown (unverified default)."""
 
 
 @runtime_checkable
 class FollowsFinger(Stimulus, Protocol):
     """Stimulus whose signal is weakened by the position of a finger.
 
-    Two samples of the part differ by at most their distance over `rise_s`.
+    Between two samples, the factor changes by at most their interval over `rise_s`.
     """
 
     @property
     def rise_s(self) -> float: ...
 
     def parts(self, x_m: FloatArray, before: Any = None) -> tuple[FloatArray, Any]:
-        """Return parts (0..1) of the voltage at positions, and a state.
+        """Return factors (0..1) of the voltage at positions, and a state.
 
-        The state is `before` of the next call. The part is 0 where a position is NaN.
+        The state is the `before` of the next call. The factor is 0 where a position is NaN.
         """
 
     def check_motion(self, speed_m_per_s: float, positions_hz: float | None = None) -> None:
@@ -49,12 +49,12 @@ class FingerPath:
 
     def __init__(self) -> None:
         self._kept: tuple[FloatArray, FloatArray, int] = np.empty(N_KEPT), np.empty(N_KEPT), 0
-        """Times, positions and their number; existing entries never change, so that another thread may read them."""
+        """Times, positions and their number. Existing entries never change, so that another thread may read them."""
         self.last_s = -math.inf
-        """The last stamp; before the first, minus infinity."""
+        """Last time stamp; minus infinity before the first."""
 
     def on_samples(self, times_s: FloatArray, positions_m: FloatArray) -> None:
-        """Add samples with stamps (s), except lost or late ones."""
+        """Add samples with time stamps (s), except lost or late ones."""
         for time_s, place_m in zip(times_s.tolist(), positions_m[:, 0].tolist(), strict=True):
             if time_s > self.last_s and math.isfinite(place_m):
                 kept_s, kept_m, n = self._kept
@@ -88,7 +88,7 @@ class FollowedSignal(Signal):
 
     @cached_property
     def _digest(self) -> str:
-        """Differs from that of its samples, as caches must not mix them."""
+        """Return a digest unlike that of the samples, as caches must not mix them."""
         strongest = Signal(self.samples, self.rate_hz, self.unit).digest()
         return hashlib.sha256(f"{strongest} under a finger, {self.stimulus.rise_s!r}".encode()).hexdigest()[:16]
 
@@ -97,9 +97,9 @@ class FollowedSignal(Signal):
 class PlayedPath:
     """Signal emitted under a moving finger.
 
-    - `signal`: The emitted signal.
+    - `signal`: Emitted signal.
     - `latency_s`: Time from a position to the voltage that depends on it.
-    - `late`, `unknown`: Shares (0..1) of samples whose position came late, or was not known.
+    - `late`, `unknown`: Fractions (0..1) of samples whose position arrived late, or was unknown.
     """
 
     signal: Signal
@@ -109,7 +109,7 @@ class PlayedPath:
 
 
 def felt_under(stimulus: Stimulus, signal: Signal, times_s: FloatArray, positions_m: FloatArray) -> Signal:
-    """Return what a signal becomes under a finger."""
+    """Return the signal that is emitted under a finger on this path."""
     if not isinstance(stimulus, FollowsFinger):
         return signal
     at_s = np.arange(signal.samples.shape[1]) / signal.rate_hz

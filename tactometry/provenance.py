@@ -1,4 +1,4 @@
-"""Versions and digests that identify how data were made."""
+"""Versions and digests that identify how data were produced."""
 
 import hashlib
 import platform
@@ -7,7 +7,7 @@ DISTRIBUTIONS = ("tactometry", "numpy", "scipy", "pandas", "msgspec", "psychopy"
 
 
 def versions() -> dict[str, str]:
-    """Return versions of Python, system and packages that data depend on."""
+    """Return versions of Python, system and packages that affect the data."""
     from importlib import metadata  # slow to load
 
     by_name = {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()}

@@ -1,9 +1,9 @@
 """Psychometric function: probability of a response against level.
 
-``psi(x) = g + (1 - g - l) S(z)`` with ``z = z50 + (x - threshold) / width * (z95 - z05)``: the threshold is where the
-unscaled function S is 0.5, the width is the distance between its 0.05 and 0.95 points (Schuett, Harmeling, Macke and
-Wichmann 2016, Vision Research 122, 105-123). No probability is computed as one minus another, so that both tails keep
-their digits.
+``psi(x) = g + (1 - g - l) S(z)`` with ``z = z50 + (x - threshold) / width * (z95 - z05)``: the threshold is the level
+where the unscaled function S is 0.5, the width is the distance between its 0.05 and 0.95 points (Schuett, Harmeling,
+Macke and Wichmann 2016, Vision Research 122, 105-123). No probability is computed as one minus another, so that both
+tails keep their digits.
 """
 
 from collections.abc import Callable, Mapping
@@ -27,7 +27,7 @@ LEFT, RIGHT = 0.05, 0.95
 
 @dataclass(frozen=True)
 class Shape:
-    """A sigmoid S(z) in standard form, elementwise.
+    """Sigmoid S(z) in standard form, evaluated elementwise.
 
     `score` is the derivative of `log_pdf`, `at` the inverse of S from log S and log(1 - S).
     """
@@ -45,7 +45,7 @@ class Shape:
 
     @property
     def z_width(self) -> float:
-        """Distance between the 0.05 and the 0.95 points of S."""
+        """Distance between the 0.05 and 0.95 points of S."""
         return self._quantile(RIGHT) - self._quantile(LEFT)
 
     @property
@@ -76,7 +76,7 @@ def _gumbel_log_sf(z: Array) -> Array:
 
 
 def _gumbel_log_cdf(z: Array) -> Array:
-    """Return log(1 - exp(-exp z)), by its series where exp(z) < 1e-16."""
+    """Return log(1 - exp(-exp z)), computed by its series where exp(z) < 1e-16."""
     # `where` computes both branches: the maximum avoids log 0 in the unused one
     return np.where(z < -37.0, z, log1mexp(-_gumbel_log_sf(np.maximum(z, -40.0))))
 
@@ -101,7 +101,7 @@ def _log_expit(z: Array) -> Array:
 def _normal_at(log_cdf: Array, log_sf: Array) -> Array:
     from scipy.special import ndtri_exp
 
-    # use the smaller tail, as the logarithm of the larger is near 0 and imprecise
+    # use the smaller tail: the logarithm of the larger is near 0 and imprecise
     return np.where(log_cdf < log_sf, ndtri_exp(log_cdf), -ndtri_exp(log_sf))
 
 
@@ -150,18 +150,18 @@ def shape_named(name: str) -> Shape:
 @dataclass(frozen=True)
 @constrained
 class PsychometricFunction:
-    """Probability of a correct (or "yes") response as a function of the level.
+    """Probability of a correct (or "yes") response as a function of level.
 
     - `shape`: ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel``, or ``weibull`` on positive levels: a Gumbel in
       the natural logarithm of the level.
-    - `threshold`: The level where the unscaled function is one half, in the unit of the levels; above 0 for
+    - `threshold`: Level where the unscaled function is one half, in the unit of the levels. It is above 0 for
       ``weibull``.
-    - `width`: Distance between the 0.05 and the 0.95 points of the unscaled function, above 0, in the unit of the
-      levels; for ``weibull`` in natural logarithms of the level.
-    - `guess_rate`, `lapse_rate`: Lower asymptote, and distance of the upper one from 1; each in [0, 1], their sum below
-      1.
+    - `width`: Distance between the 0.05 and 0.95 points of the unscaled function, above 0. It is in the unit of the
+      levels, for ``weibull`` in natural logarithms of the level.
+    - `guess_rate`, `lapse_rate`: Lower asymptote, and distance of the upper asymptote from 1, each in [0, 1], with a
+      sum below 1.
 
-    Raises `InvalidParameter` if a parameter is outside of its range.
+    Raises `InvalidParameter` if a parameter is out of range.
 
     >>> f = PsychometricFunction("normal", threshold=20.0, width=8.0, guess_rate=0.5, lapse_rate=0.02)
     >>> round(float(f.probability(20.0)), 12)
@@ -192,7 +192,7 @@ class PsychometricFunction:
         return np.exp(self.log_probability(level, 1))
 
     def log_probability(self, level: ArrayLike, response: ArrayLike) -> Any:
-        """Return log psi where `response` is 1 and log(1 - psi) where it is 0.
+        """Return log psi for responses 1 and log(1 - psi) for responses 0.
 
         Raises `InvalidParameter` if a level is not a number (or not above 0 for ``weibull``), or a response neither 0
         nor 1.
@@ -241,7 +241,7 @@ def log_mixture(log_cdf: Array, log_sf: Array, guess_rate: ArrayLike, lapse_rate
     (-10000.0, 0.0)
     """
     guess, lapse = np.asarray(guess_rate, dtype=np.float64), np.asarray(lapse_rate, dtype=np.float64)
-    with np.errstate(divide="ignore"):  # a rate of 0 is log 0 = -inf, which `logaddexp` takes as it is
+    with np.errstate(divide="ignore"):  # a rate of 0 is log 0 = -inf, which `logaddexp` handles
         log_guess, log_lapse, log_span = np.log(guess), np.log(lapse), np.log1p(-guess - lapse)
     return np.logaddexp(log_guess, log_span + log_cdf), np.logaddexp(log_lapse, log_span + log_sf)
 

@@ -1,11 +1,11 @@
 """Forms for participants: questionnaires on scales, and choice questions.
 
-A file in `tactometry/questionnaires/` is a questionnaire; `parse` reads one from anywhere. The raw answer grows from
-the left word to the right word. A *reversed* item has its positive pole on the left, so that a high raw answer is a low
-score.
+A file in `tactometry/questionnaires/` is a questionnaire. `parse` reads a questionnaire file from anywhere. The raw
+answer increases from the left to the right label. A *reversed* item has its positive pole on the left, so that a high
+raw answer is a low score.
 
-A file in `tactometry/questionnaires/choices/` is a form of choices, whose answers are codes of categories. Participants
-may always prefer not to say (`NOT_SAID`); forms do not list that option.
+A file in `tactometry/questionnaires/choices/` is a form of choices, whose answers are codes of categories.
+Participants may always prefer not to say (`NOT_SAID`). Forms do not list that option.
 """
 
 import math
@@ -30,21 +30,22 @@ PREFER_NOT: Final = "prefer_not"
 SAY: Final = "say_number"
 """Labels of that answer, and of the option to enter a number."""
 MOST_CODE: Final = 9
-"""Largest code, so that each option has one digit; years of birth or age, which could identify a person, have more."""
+"""Largest code, so that each option has one digit. Years of birth or age, which could identify a person, have more
+digits."""
 MOST_NUMBER: Final = 999_999_999
-"""Largest number on a page, which accepts nine digits and no sign."""
+"""Largest number that a page accepts: nine digits without a sign."""
 
 
 @dataclass(frozen=True)
 class Item:
-    """One question.
+    """Question of a questionnaire.
 
     - `id`: Name of the item in tables.
-    - `dimension`: Dimension whose score the item belongs to.
-    - `reversed`: Whether the positive pole is presented on the left.
-    - `order`: Place in the published order, from 1.
-    - `poles`: The two words, by language; empty where the questionnaire has the same two `ends` for every item.
-    - `statement`: Statement to rate, by language; empty for a semantic differential.
+    - `dimension`: Dimension to whose score the item contributes.
+    - `reversed`: True if the positive pole is presented on the left.
+    - `order`: Position in the published order, from 1.
+    - `poles`: The two end labels, by language. Empty if the questionnaire has the same `ends` for every item.
+    - `statement`: Statement to rate, by language. Empty for a semantic differential.
     """
 
     id: str
@@ -58,11 +59,11 @@ class Item:
 @dataclass(frozen=True)
 @constrained
 class Dimension:
-    """A score: the mean of its items, or of the items of its parts.
+    """Score that is the mean of its items, or of the items of its parts.
 
-    - `min_answered`: Number of answered items that a score needs.
+    - `min_answered`: Number of answers required to compute the score.
     - `title`: Name of the dimension in reports, by language.
-    - `parts`: Dimensions whose items it joins; without them its own items.
+    - `parts`: Dimensions whose items it combines. Without them, it has separate items.
     """
 
     min_answered: Annotated[int, Ge(1)]
@@ -76,16 +77,16 @@ class Questionnaire:
 
     - `low`: Raw answer at the left end.
     - `high`: Raw answer at the right end.
-    - `steps`: How many raw answers there are, evenly spaced; None for a continuous line.
-    - `score_low`: Score of the worst answer, which an item that is not reversed has at `low`.
-    - `score_high`: Score of the best answer, which an item that is not reversed has at `high`.
-    - `ends`: The words at the ends of every item, as presented, by language; empty where each item has its own poles.
+    - `steps`: Number of evenly spaced raw answers, or None for a continuous line.
+    - `score_low`: Score of the worst answer, which is `low` unless the item is reversed.
+    - `score_high`: Score of the best answer, which is `high` unless the item is reversed.
+    - `ends`: Labels at the ends of every item, as presented, by language. Empty if each item has separate poles.
     - `reference`: Publication, with a note on unverified translations and choices.
-    - `stem`: Introduction above every page, by language: what the answers are about.
-    - `name`: What studies and tables call it.
-    - `title`: What reports call it.
-    - `items`: The statements or pairs of poles, in any order.
-    - `dimensions`: The scores, by name.
+    - `stem`: Introduction above every page, by language.
+    - `name`: Name in studies and tables.
+    - `title`: Name in reports.
+    - `items`: Statements or pairs of poles, in any order.
+    - `dimensions`: Scores, by name.
 
     >>> attrakdiff = load("attrakdiff")
     >>> attrakdiff.items[0].id, attrakdiff.words("PQ1", "en"), attrakdiff.score("PQ1", 1)
@@ -111,7 +112,7 @@ class Questionnaire:
         scored = self.score_low, self.score_high
         are_scores = all(map(math.isfinite, scored)) and self.score_low != self.score_high
         expect(are_scores, "score_low", f"{scored[0]:g} with score_high {scored[1]:g}", "two different finite numbers")
-        enough = "at least 2; leave it out for a continuous line"
+        enough = "at least 2; omit it for a continuous line"
         expect(self.steps is None or self.steps >= 2, "steps", self.steps, enough)
         some("items", self.items)
         for language, ends in self.ends.items():
@@ -125,7 +126,7 @@ class Questionnaire:
             expect(bool(item.poles or self.ends), f"{path}.poles", f"none for {item.id!r}", two)
         for key in ("id", "order"):
             _check_each_once(self.items, key)
-        expect(len(self.languages) > 0, "items", "no language with texts for all of them", "at least one")
+        expect(len(self.languages) > 0, "items", "no language with texts for all items", "at least one")
         for name, dimension in self.dimensions.items():
             for part in dimension.parts:
                 is_other = part in self.dimensions and part != name
@@ -136,7 +137,7 @@ class Questionnaire:
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
 
     def __deepcopy__(self, memo: dict[int, object]) -> Self:
-        """Return itself, as tables that contain it copy it with each operation."""
+        """Return itself, because tables that contain it copy it with each operation."""
         return self
 
     @property
@@ -147,11 +148,11 @@ class Questionnaire:
         return tuple(sorted(set.intersection(*sides, *statements)))
 
     def item(self, name: str) -> Item:
-        """Return the item of this id."""
+        """Return the item with this id."""
         return lookup(f"item of {self.name}", name, {item.id: item for item in self.items})
 
     def words(self, name: str, language: str) -> tuple[str, str, str]:
-        """Return statement, left word and right word of an item.
+        """Return statement, left label and right label of an item.
 
         Raises `InvalidParameter` if the item or the language does not exist.
         """
@@ -175,7 +176,7 @@ class Questionnaire:
     def score(self, name: str, raw: float) -> float:
         """Return the score of a raw answer to an item.
 
-        Raises `InvalidParameter` if the item is unknown, or the answer not on the scale.
+        Raises `InvalidParameter` if the item is unknown, or the answer is not on the scale.
         """
         item = self.item(name)
         scale = f"{self.low:g} to {self.high:g}{'' if self.steps is None else f' in {self.steps} steps'}"
@@ -184,7 +185,7 @@ class Questionnaire:
         return self.score_low + (self.score_high - self.score_low) * from_worst / (self.high - self.low)
 
     def scores(self, answers: Mapping[str, float | None]) -> dict[str, float | None]:
-        """Return the score of each dimension, or None for too few answers.
+        """Return the score of each dimension, or None if answers are missing.
 
         Raises `InvalidParameter` if an item is unknown or an answer is not on the scale.
         """
@@ -211,10 +212,10 @@ def _check_each_once(items: Sequence[object], key: str) -> None:
 
 @dataclass(frozen=True)
 class Option:
-    """A category.
+    """Category that answers a question.
 
     - `code`: Code in the table, from 1 to 9.
-    - `words`: Text that participants read, by language.
+    - `words`: Text shown to participants, by language.
     """
 
     code: int
@@ -226,10 +227,10 @@ class ChoiceItem:
     """Question answered with an option or a number within bounds.
 
     - `id`: Name in the tables.
-    - `prompt`: The question, by language.
-    - `options`: Two to nine, in their order.
-    - `low`: Lowest number of an answer, instead of options.
-    - `high`: Highest number of an answer, instead of options.
+    - `prompt`: Text of the question, by language.
+    - `options`: Two to nine options, in order.
+    - `low`: Lowest accepted number, instead of options.
+    - `high`: Highest accepted number, instead of options.
     """
 
     id: str
@@ -240,7 +241,7 @@ class ChoiceItem:
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """Bounds of a number, or None if it has options."""
+        """Bounds of a number, or None if the question has options."""
         return None if self.low is None or self.high is None else (self.low, self.high)
 
     @property
@@ -264,15 +265,15 @@ class ChoiceItem:
 
 @dataclass(frozen=True)
 class ChoiceForm:
-    """Form of questions about a person, one per page.
+    """Form of questions about the participant, one per page.
 
     Raises `InvalidParameter` if a question has no options, an id or code occurs twice, or no language is complete.
 
-    - `name`: What studies and tables call it.
-    - `title`: What reports call it.
+    - `name`: Name in studies and tables.
+    - `title`: Name in reports.
     - `reference`: Publication, or a note that the questions are custom.
     - `kind`: ``choices``.
-    - `items`: The questions, in their order.
+    - `items`: Questions, in order.
 
     >>> demographics = load_choices("demographics")
     >>> [item.id for item in demographics.items], demographics.languages
@@ -291,7 +292,7 @@ class ChoiceForm:
         _check_each_once(self.items, "id")
         for n, item in enumerate(self.items):
             _check_item(item, f"items[{n}]")
-        expect(len(self.languages) > 0, "items", "no language with texts for all of them", "at least one")
+        expect(len(self.languages) > 0, "items", "no language with texts for all items", "at least one")
 
     @property
     def languages(self) -> tuple[str, ...]:
@@ -299,7 +300,7 @@ class ChoiceForm:
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """Questions that are answered by a number, which might identify a person."""
+        """Questions answered with a number, which might identify a person."""
         return tuple(item.id for item in self.items if item.bounds is not None)
 
     def item(self, name: str) -> ChoiceItem | None:
@@ -339,7 +340,7 @@ def is_choices(table: object) -> bool:
 
 
 def form_of(table: Mapping[str, Any], path: str) -> Questionnaire | ChoiceForm:
-    """Build the form of a table. `path` opens each key path."""
+    """Build the form of a table. `path` begins each key path."""
     return build(ChoiceForm, table, path) if is_choices(table) else build(Questionnaire, table, path)
 
 
@@ -349,7 +350,7 @@ def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Ques
 
 
 def choice_forms_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, ChoiceForm]:
-    """Return the forms of choices of a study by name, from its `[forms.NAME]`."""
+    """Return the forms of choices in `[forms.NAME]` of a study, by name."""
     return _named(ChoiceForm, {name: table for name, table in tables.items() if is_choices(table)})
 
 
@@ -358,7 +359,7 @@ def _named(kind: type[F], tables: Mapping[str, Mapping[str, Any]]) -> dict[str, 
 
 
 def parse(content: bytes, where: str) -> Questionnaire:
-    """Parse the bytes of a questionnaire file. `where` opens errors."""
+    """Parse the bytes of a questionnaire file. `where` begins error messages."""
     return _parse(Questionnaire, content, where)
 
 

@@ -18,11 +18,11 @@ FloatArray = NDArray[np.float64]
 class Signal:
     """Samples that an output plays.
 
-    - `samples`: Finite values in `unit`; real integers and booleans are converted. The array is made read-only.
+    - `samples`: Finite values in `unit`. Integers and booleans are converted. The array is made read-only.
     - `rate_hz`: Samples per second, above 0.
-    - `unit`: The unit of the samples, e.g. ``"V"``.
+    - `unit`: Unit of the samples, such as ``"V"``.
 
-    Raises `InvalidParameter` if the shape, the kind of the values, a value or the rate is not as stated.
+    Raises `InvalidParameter` if the shape, the type of the values, a value or the rate is invalid.
     """
 
     samples: FloatArray
@@ -60,7 +60,7 @@ class Signal:
 
     @property
     def peak(self) -> float:
-        """The largest absolute sample in `unit`, or 0 for an empty signal."""
+        """Largest absolute sample in `unit`, or 0 for an empty signal."""
         return float(max(self.samples.max(initial=0.0), -self.samples.min(initial=0.0)))
 
     def __eq__(self, other: object) -> bool:
@@ -87,7 +87,7 @@ class Signal:
 
 
 def _real_numbers(values: object) -> FloatArray:
-    """Copy values into an array of float, and refuse other kinds.
+    """Copy values into an array of float, and refuse other types.
 
     >>> _real_numbers([[1, True]]).tolist()
     [[1.0, 1.0]]
@@ -99,7 +99,7 @@ def _real_numbers(values: object) -> FloatArray:
     expect(not _is_masked(values), "Signal.samples", "a masked array", f"{expected}; fill the masked values")
     found = as_array(values)
     if found is None:
-        raise InvalidParameter(f"Signal.samples: found rows that form no array, expected {expected}")
+        raise InvalidParameter(f"Signal.samples: found rows that do not form an array, expected {expected}")
     expect(found.dtype.kind in "biuf", "Signal.samples", f"values of type {found.dtype!s:.60}", expected)
     with np.errstate(over="ignore"):  # a too large long double becomes infinite and is refused with its index
         return np.array(found, dtype=np.float64)
@@ -113,11 +113,11 @@ def _is_masked(values: object) -> bool:
 
 
 class Stimulus(Protocol):
-    """A family of signals ordered by level."""
+    """Family of signals ordered by level."""
 
     @property
     def level_unit(self) -> str:
-        """The unit of a level, e.g. ``"dB re 1 V"``."""
+        """Unit of a level, such as ``"dB re 1 V"``."""
 
     def at(self, level: float) -> Signal:
         """Return the signal of this level."""

@@ -1,6 +1,6 @@
 """User code next to a study: allowed imports and guarded calls.
 
-An exception, or an invalid answer, becomes one sentence with file and line.
+An exception, or an invalid answer, is reported in one sentence with file and line.
 """
 
 import functools
@@ -43,15 +43,16 @@ def is_own(kind: object) -> bool:
 def not_allowed(where: str, target: str, what: str) -> InvalidParameter:
     """Return the error for code that may not run."""
     return InvalidParameter(
-        f"{where}: found {target!r}, {what} whose code would run, expected --allow-code on the command line, if you "
-        "trust it"
+        f"{where}: found {target!r}, {what} whose code would run, expected --allow-code on the command line; use it "
+        "only for code that you trust"
     )
 
 
 def class_beside(target: str, folder: Path, where: str) -> type:
     """Return the dataclass ``module:Class`` of a file in `folder`.
 
-    Raises `InvalidParameter`, opened by `where`, if the file or class is missing or its import fails.
+    Raises `InvalidParameter`, with `where` at the beginning of the message, if the file or class is missing or its
+    import fails.
     """
     module, _, name = target.partition(":")
     file = folder.joinpath(*module.split(".")).with_suffix(".py")
@@ -59,11 +60,12 @@ def class_beside(target: str, folder: Path, where: str) -> type:
     plain = f"{module.removesuffix('.py')}:{name or 'Class'}"
     expect(not module.endswith(".py"), where, repr(target), f"the module without '.py': {plain!r}")
     expect(all(map(str.isidentifier, parts)), where, repr(target), "module:Class, such as 'mine:Careful'")
-    expect(file.is_file(), where, f"{target!r}, but no file {file.name} in {folder}", "it next to the study file")
+    expect(file.is_file(), where, f"{target!r}, but no file {file.name} in {folder}", "the file next to the study file")
     kind = getattr(_module(file, where), name, None)
     if not (isinstance(kind, type) and is_dataclass(kind)):
         raise InvalidParameter(
-            f"{where}: found no dataclass {name!r} in {file.name}, expected one whose fields are the keys of the table"
+            f"{where}: found no dataclass {name!r} in {file.name}, expected a dataclass with "
+            "the keys of the table as fields"
         )
     return kind
 
@@ -73,7 +75,7 @@ def state_of(folder: Path) -> str:
 
 
 def _module(file: Path, where: str) -> ModuleType:
-    """Import a file under a name unique to it and its folder's state."""
+    """Import a file under a name unique to the file and its folder's state."""
     name = f"tactometry_own_{state_of(file.parent)[:12]}_{file.stem}"
     if name in sys.modules:
         return sys.modules[name]
@@ -85,20 +87,20 @@ def _module(file: Path, where: str) -> ModuleType:
     try:
         with _beside(file.parent):
             spec.loader.exec_module(made)
-    except BaseException as error:  # whatever foreign code may raise
+    except BaseException as error:  # user code may raise any exception
         del sys.modules[name]
         if _is_end(error):
             raise
         place, words = place_of(error, file.parent) or file.name, f"{type(error).__name__}: {reason(error)}"
         raise InvalidParameter(
-            f"{where}: the import of {file.name} failed at {place} ({words}), expected a module that runs"
+            f"{where}: the import of {file.name} failed at {place} ({words}), expected a module that can be imported"
         ) from None
     return made
 
 
 @contextmanager
 def _beside(folder: Path) -> Iterator[None]:
-    """Allow imports from a folder in the body only."""
+    """Allow imports from a folder only in the body."""
     known = set(sys.modules)
     sys.path.append(str(folder))
     try:
@@ -113,7 +115,7 @@ def _beside(folder: Path) -> Iterator[None]:
 def guarded(kind: type, expected: Mapping[str, Expected | None]) -> type:
     """Return a class whose named calls return a plain answer or raise.
 
-    Raises `InvalidParameter` in these calls, with file and line, what was raised or answered, and what was expected.
+    These calls raise `InvalidParameter`, with file and line, the exception or the answer, and the expected answer.
     """
     made = type(kind.__name__, (kind,), {"__module__": kind.__module__, "__slots__": (), MARK: True})
     for name, answer in expected.items():
@@ -123,7 +125,7 @@ def guarded(kind: type, expected: Mapping[str, Expected | None]) -> type:
 
 
 def _briefly(value: object) -> str:
-    """Show a value on one line, without the middle of a long one.
+    """Show a value on one line, without the middle of a long text.
 
     >>> _briefly(3.0), len(_briefly("a" * 4000)) < 150
     ('3.0', True)
@@ -148,7 +150,7 @@ def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any
             found = f"{_briefly(value)} as the answer of {name}"
         except TactometryError:
             raise
-        except BaseException as error:  # whatever foreign code may raise
+        except BaseException as error:  # user code may raise any exception
             if _is_end(error):
                 raise
             where = place_of(error, folder) or kind.__name__
@@ -165,6 +167,6 @@ def _is_end(error: BaseException) -> bool:
 
 
 def place_of(error: BaseException, folder: Path) -> str:
-    """Return the line of a folder's file that raised an error, or nothing."""
+    """Return the line of a file in the folder that raised an error, or nothing."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent == folder]
     return f"{frames[-1].filename}, line {frames[-1].lineno}" if frames else ""

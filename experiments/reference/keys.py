@@ -196,7 +196,7 @@ def meanings(kind: type) -> Mapping[str, str]:
 
     >>> from tactometry.observers.changes import SlowLearning
     >>> meanings(SlowLearning)["gain_db"]
-    'Loss of sensitivity at the first trial.'
+    'Deficit of sensitivity at the first trial.'
     """
     of_bases: dict[str, str] = {}
     for base in reversed(kind.__mro__):
@@ -212,7 +212,7 @@ def summary(kind: type) -> str:
 
     >>> from tactometry.protocols.tasks.touch import Pressing
     >>> summary(Pressing)
-    'A finger that rests.'
+    'Finger that rests.'
     """
     return " ".join(inspect.cleandoc(kind.__doc__ or "").partition("\n\n")[0].split())
 
@@ -244,7 +244,7 @@ def heading(table: KeyTable) -> str:
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> heading(tables()["touch.press"])
-    '[touch] with kind = "press". A finger that rests.'
+    '[touch] with kind = "press". Finger that rests.'
     """
     place = table.header or "the top of the file"
     kind = f' with kind = "{table.kind}"' if table.kind else ""

@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LevelTable:
-    """Perceived levels, or chances of the answer 1, at rising levels.
+    """Perceived level, or probability of the answer 1, at increasing levels.
 
-    - `felt`: (n_levels,) for all sets, or (n_sets, n_levels).
+    - `felt`: Shape (n_levels,) for all sets, or (n_sets, n_levels).
 
     >>> LevelTable(np.array([0.0, 10.0]), np.array([-3.0, 7.0])).felt.shape
     (1, 2)
@@ -38,7 +38,7 @@ class LevelTable:
         object.__setattr__(self, "felt", np.atleast_2d(felt))
 
     def rows(self, sets: slice) -> Self:
-        """Return the table of some sets."""
+        """Return the table of the selected sets."""
         return self if len(self.felt) == 1 else type(self)(self.levels, self.felt[sets])
 
     def at(self, levels: Array, sets: NDArray[np.intp]) -> Array:
@@ -61,8 +61,8 @@ def criteria(
 
     A criterion is minus infinity below the guess rate, and infinity within the lapse rate of 1.
 
-    - `uniform`: (n_sets, n_trials), in [0, 1).
-    - `shape`: As in `tactometry.psychometric.PsychometricFunction`; the other arguments are numbers, or arrays
+    - `uniform`: Uniform numbers, (n_sets, n_trials), in [0, 1).
+    - `shape`: Name as in `tactometry.psychometric.PsychometricFunction`; the other arguments are numbers, or arrays
       (n_sets, 1) or (n_sets, n_trials).
 
     >>> criteria(np.array([[0.1, 0.74, 0.99]]), "normal", 20.0, 8.0, 0.5, 0.02).round(9).tolist()
@@ -85,7 +85,7 @@ def nearest(level: Any, step: float, low: float, high: float) -> Any:
 @dataclass(frozen=True)
 @constrained
 class Delivery:
-    """Output that delivers whole steps of a level (0: every level) from `low` to `high`.
+    """Output that delivers levels in steps (0: any level) from `low` to `high`.
 
     >>> Delivery(step=0.5, high=30.0)(np.array([12.3, 31.0])).tolist()
     [12.5, 30.0]
@@ -100,7 +100,7 @@ class Delivery:
 
     @property
     def numbers(self) -> tuple[float, float, float]:
-        """Step and bounds, as `nearest` takes them."""
+        """Step and bounds, as arguments of `nearest`."""
         return float(self.step), float(self.low), float(self.high)
 
     def __call__(self, levels: Array) -> Array:

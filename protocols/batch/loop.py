@@ -1,4 +1,4 @@
-"""The compiled loop over sets and trials for a transition."""
+"""Compiled loop over sets and trials for a transition."""
 
 from collections.abc import Callable
 from functools import cache

@@ -16,17 +16,18 @@ from .answers import AS_ASKED, Array, Delivery, LevelTable
 
 NOT_ASKED = -1
 MOST_CELLS = 400_000
-"""Largest number of weights at a time, so that they stay in the cache."""
+"""Largest number of weights at a time, so that they fit into the cache."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrackBatch:
     """Results of tracks, one row each.
 
-    - `asked`, `levels`: (n_sets, n_trials). Levels that the rule asked for, and those delivered; NaN after the end.
-    - `answers`: (n_sets, n_trials). The outcomes, for most rules 1 or 0, or `NOT_ASKED` after the end.
+    - `asked`, `levels`: (n_sets, n_trials). Levels that the rule requested, and levels that were delivered. NaN after
+      the end.
+    - `answers`: (n_sets, n_trials). Outcomes, for most rules 1 or 0, or `NOT_ASKED` after the end.
     - `endings`: (n_sets,). Codes as in `tactometry.protocols.procedures.stepping`.
-    - `thresholds`: (n_sets,). The rule's own estimates, or NaN.
+    - `thresholds`: (n_sets,). Estimates of the rule, or NaN.
     """
 
     asked: Array
@@ -55,7 +56,7 @@ class TrackBatch:
         )
 
     def rows(self, sets: slice) -> Self:
-        """Return views of some sets."""
+        """Return views of the selected sets."""
         return type(self)(**{name: values[sets] for name, values in vars(self).items()})
 
     def ending(self, i: int) -> Ending | None:
@@ -71,16 +72,16 @@ def tracks(
     orders: Array | None = None,
     delivery: Delivery = AS_ASKED,
 ) -> TrackBatch:
-    """Run a track for each row of criteria as the rule's own run would go.
+    """Run a track for each row of criteria, like a session would run it.
 
     The answer to a trial is the number of its criteria that the perceived level exceeds.
 
-    - `rule`: One with a transition of plain numbers, or `Quest` or `QuestPlus`.
-    - `criteria`: (n_sets, n_trials) or (n_sets, n_trials, n_outcomes - 1). NaN is above every level.
-    - `table`: Perceived level at each level; without one the level itself.
-    - `orders`: (n_sets, n_drawn). As the rule's `orders` draws them; without them the given order for all.
+    - `rule`: Rule with a transition of plain numbers, or `Quest` or `QuestPlus`.
+    - `criteria`: Shape (n_sets, n_trials) or (n_sets, n_trials, n_outcomes - 1). NaN is above every level.
+    - `table`: Perceived level at each level. Without a table it is the level itself.
+    - `orders`: Orders drawn by `orders` of the rule, (n_sets, n_drawn). Without them, all sets have the given order.
 
-    Raises `InvalidParameter` if the rule is of another kind, or the shapes do not fit.
+    Raises `InvalidParameter` if the rule is of another type, or the shapes do not match.
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_down=1)
@@ -101,7 +102,7 @@ def tracks(
     elif isinstance(rule, WeighingRule):
         weigh(rule, drawn, table, delivery, made)
     else:
-        raise InvalidParameter(f"tracks.rule: found {rule.name}, expected a rule with a transition, or of weights")
+        raise InvalidParameter(f"tracks.rule: found {rule.name}, expected a rule with a transition or with weights")
     made.thresholds[made.endings >= CENSORED_ABOVE] = np.nan
     return made
 
@@ -125,13 +126,13 @@ def _step(
 
 
 def _arrays(numbers: Numbers) -> tuple[Any, ...]:
-    """Convert sequences to arrays: numba compiles anew for each tuple length."""
+    """Convert sequences to arrays, as numba compiles anew for each tuple length."""
     arrays = [np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers]
     return type(numbers)(*arrays) if arrays else ()
 
 
 def weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:
-    """Fill in a batch, of criteria (n_sets, n_trials, n_outcomes - 1)."""
+    """Fill in a batch from criteria (n_sets, n_trials, n_outcomes - 1)."""
     size = max(1, MOST_CELLS // rule.prior_state.weights.size)
     for first in range(0, len(criteria), size):
         sets = slice(first, first + size)

@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 class Likelihoods(Protocol):
     """Probabilities of outcomes at levels, for products with weights.
 
-    `DenseLikelihoods` takes stacks of weights (n_cells, n_sets) too, and returns the sets last.
+    `DenseLikelihoods` also accepts stacks of weights (n_cells, n_sets). The sets are then the last axis of its
+    results.
     """
 
     def total(self, weights: Array) -> Array:
@@ -32,12 +33,12 @@ class Likelihoods(Protocol):
         """Sum weight times p log p over cells and outcomes, (n_levels,)."""
 
     def log_likelihood(self, index: int, outcome: int) -> Array | None:
-        """Return log P(outcome) at a candidate, (n_cells,), or None untabulated."""
+        """Return log P(outcome) at a candidate, (n_cells,), or None without a table."""
 
 
 @runtime_checkable
 class OutcomeModel(Protocol):
-    """Combinations of parameters, cells in C order, the threshold first."""
+    """Grid of parameters, with cells in C order and the threshold first."""
 
     @property
     def parameters(self) -> Mapping[str, tuple[float, ...]]: ...
@@ -52,7 +53,7 @@ class OutcomeModel(Protocol):
 
 
 def size(model: OutcomeModel) -> tuple[int, int]:
-    """Return the numbers of first values and of other combinations."""
+    """Return the numbers of thresholds and of combinations of the others."""
     first, *rest = map(len, model.parameters.values())
     return first, math.prod(rest)
 
@@ -104,10 +105,11 @@ class DenseLikelihoods:
 class FunctionModel:
     """Model of any parameters and outcomes, by log probabilities.
 
-    - `parameters`: The grid of each parameter by its name; the first is the one of interest.
+    - `parameters`: Grid of each parameter by its name. The first parameter is the threshold.
     - `n_outcomes`: Number of answers, at least 2, reported to the procedure as 0, 1, ...
-    - `log_probability`: ``log_probability(level, outcome, **parameters)`` of a float and of arrays that broadcast
-      against each other; returns log P(outcome), -inf if it is impossible. Over outcomes P adds up to 1.
+    - `log_probability`: ``log_probability(level, outcome, **parameters)`` for a float and for arrays that broadcast
+      against each other. It returns log P(outcome), -inf if the outcome is impossible. The sum of P over the outcomes
+      is 1.
 
     >>> def coin(level, outcome, *, bias):
     ...     return np.log(np.where(outcome == 1, bias, 1 - bias))
@@ -133,7 +135,7 @@ class FunctionModel:
 
 
 def tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
-    """Tabulate a model at some levels; refuse chances that do not add up to 1."""
+    """Tabulate a model at some levels; refuse sums of probabilities other than 1."""
     rows = [[np.exp(model.log_likelihood(level, outcome)) for level in levels] for outcome in range(model.n_outcomes)]
     table = np.array(rows).reshape(model.n_outcomes, len(levels), *size(model))
     for n, level in enumerate(levels):
@@ -151,5 +153,5 @@ def _check_parameters(owner: str, parameters: Mapping[str, tuple[float, ...]]) -
 
 def _check_sum(total: Array, level: float) -> None:
     away = np.abs(total - 1)
-    worst = f"chances at level {level:g} that add up to {total.flat[int(away.argmax())]:g}"
-    expect((away <= 1e-9).all(), "model", worst, "1 over all outcomes")  # NaN is refused too
+    worst = f"probabilities at level {level:g} that add up to {total.flat[int(away.argmax())]:g}"
+    expect((away <= 1e-9).all(), "model", worst, "a sum of 1 over all outcomes")  # this also refuses NaN

@@ -1,4 +1,4 @@
-"""The grid of psychometric functions that a Bayesian procedure weighs."""
+"""Grid of psychometric functions that a Bayesian procedure weighs."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -13,20 +13,20 @@ from tactometry.psychometric import shape_named
 from .outcome_model import Array, p_log_p, size
 
 EQUAL = 1e-13
-"""Distances that differ by less, relative to the greatest, are equal."""
+"""Relative difference, to the largest distance, below which distances are equal."""
 NARROWEST = 1e-100
-"""Lower bound of widths: distances divided by less would overflow."""
+"""Lower bound of widths. Division by smaller widths would overflow."""
 BLOCK = 512
-"""Combinations of the other parameters that are summed at a time: a table of them stays in a core's own cache."""
+"""Number of combinations of the other parameters summed at a time. Their table fits into the cache of one core."""
 
 
 @dataclass(frozen=True)
 class ParameterGrid:
     """Model of yes and no by thresholds, widths, guess and lapse rates.
 
-    Threshold and width as in `tactometry.psychometric` (half of the unscaled function; its 0.05 to 0.95 points). In
-    decibels the shape ``gumbel`` is Weibull's function of the amplitude; ``weibull`` takes the amplitude itself, with
-    widths in natural logarithms.
+    Threshold and width are defined as in `tactometry.psychometric` (half of the unscaled function, and its 0.05 to 0.95
+    points). For levels in decibels the shape ``gumbel`` is Weibull's function of the amplitude. The shape ``weibull``
+    requires the amplitude itself, with widths in natural logarithms.
 
     >>> ParameterGrid(thresholds=(10.0, 20.0), widths=(4.0, 8.0), lapse_rates=(0.0, 0.02, 0.04)).size
     (2, 6)
@@ -85,7 +85,7 @@ class ParameterGrid:
         log_s = (shape.log_cdf if outcome else shape.log_sf)(z)
         s, floor, span = np.exp(log_s), guess if outcome else lapse, 1 - guess - lapse
         with np.errstate(divide="ignore"):
-            mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))  # span s + floor
+            mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))  # span * s + floor
         no_floor = floor == 0
         if no_floor.any():
             mixed[..., no_floor] = np.log1p(-guess - lapse)[no_floor] + log_s[..., None]
@@ -153,8 +153,8 @@ class MixtureLikelihoods:
     def steps(self) -> Array | None:
         """Distances from highest to lowest level, or None for unequal steps.
 
-        A probability then depends on the distance only, and blocks of neighbouring thresholds are views of one table
-        (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
+        With equal steps a probability depends only on the distance. Blocks of neighbouring thresholds are then views
+        of one table (n_levels + n_thresholds - 1, n_rest), which fits into the cache.
         """
         distances = self.grid.distances(self.levels)
         if not np.isfinite(distances).all():
@@ -185,7 +185,7 @@ class MixtureLikelihoods:
         if self.steps is None:
             distances = self.grid.distances(self.levels)
             return np.stack([self.grid.certainty(column).reshape(-1, self.grid.size[1]) for column in distances.T])
-        # Backwards, so that a window runs along the levels; its first one is then that of the last threshold.
+        # reversed, so that a window runs along the levels; the first window then belongs to the last threshold
         table = self.grid.certainty(self.steps[::-1]).reshape(len(self.steps), -1)
         windows = np.lib.stride_tricks.sliding_window_view(table, len(self.levels), axis=0)
         return windows.transpose(0, 2, 1)[::-1]

@@ -22,25 +22,26 @@ Criterion = Literal["entropy", "variance"]
 MOST_CHANCES = 100_000_000
 """Largest number of entries in a table of one outcome: 800 MB."""
 TIE = 1e-12
-"""Expected losses this near to the least are equal, so that rounding does not choose a level."""
+"""Relative tolerance within which expected losses are equal, so that rounding does not choose a level."""
 
 
 @dataclass(frozen=True, eq=False)
 @constrained
 class QuestPlus(WeighingRule):
-    """Bayesian placement by minimum expected entropy or variance, for any model of answers.
+    """Bayesian placement by minimum expected entropy or variance.
 
-    Watson, J. Vision 17(3):10 (2017). The `aim` ``parameters`` minimises the entropy of the posterior, or the sum of
-    the parameters' variances relative to their priors; ``threshold`` that of the first parameter alone (Prins, J.
-    Vision 13(7):3, 2013). Ties go to the first level.
+    It accepts any model of answers. Watson, J. Vision 17(3):10 (2017). The `aim` ``parameters`` minimises the entropy
+    of the posterior, or the sum of the parameters' variances relative to their priors. The `aim` ``threshold``
+    minimises that of the first parameter alone (Prins, J. Vision 13(7):3, 2013). Among equal levels the first one is
+    chosen.
 
-    A run ends after `n_trials`, or at a posterior standard deviation of the first parameter of `sd_stop`. It is
-    censored if this parameter is most likely at an end of its grid, and aborted if no cell allows the answers.
+    A run ends after `n_trials`, or when the posterior standard deviation of the first parameter is at most `sd_stop`.
+    It is censored if this parameter is most likely at an end of its grid, and aborted if no cell allows the answers.
 
-    - `levels`: The candidates.
-    - `grid`: `ParameterGrid`, or `FunctionModel` for other parameters and outcomes; its first parameter is
-      the threshold.
-    - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
+    - `levels`: Candidate levels.
+    - `grid`: `ParameterGrid`, or `FunctionModel` for other parameters and outcomes. Its first parameter is the
+      threshold.
+    - `prior`: Weights of the values of a parameter, on any scale. Parameters that are not named have a flat prior.
 
     >>> from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
     >>> levels = tuple(range(-40, 1))
@@ -69,7 +70,7 @@ class QuestPlus(WeighingRule):
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
         n_chances = n_levels * math.prod(size(self.grid))
         at_most("QuestPlus: levels times combinations of parameters", n_chances, MOST_CHANCES)
-        _ = self.level, self.log_likelihood(self.levels[0], 0)  # makes the tables before the first trial
+        _ = self.level, self.log_likelihood(self.levels[0], 0)  # builds the tables before the first trial
 
     @property
     def n_outcomes(self) -> int:
@@ -115,7 +116,7 @@ class QuestPlus(WeighingRule):
 
     @cached_property
     def dense(self) -> DenseLikelihoods:
-        """Chances in one table, for stacks of sets."""
+        """Probabilities in one table, for stacks of sets."""
         return tabulate(self.grid, self.levels)
 
     def places(self, log_weights: Array, weights: Array) -> Array:
@@ -126,7 +127,7 @@ class QuestPlus(WeighingRule):
         index = {level: n for n, level in enumerate(self.levels)}
         places = np.array([index.get(level, -1) for level in levels.tolist()], dtype=np.intp)
         found = np.asarray(self.dense.logarithms[answers, places])
-        for n in np.flatnonzero(places < 0):  # delivered, and none of the candidates
+        for n in np.flatnonzero(places < 0):  # the delivered level is not a candidate
             found[n] = self.grid.log_likelihood(float(levels[n]), int(answers[n]))
         return found
 
@@ -158,11 +159,11 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
 
     @cached_property
     def level(self) -> float:
-        """First level with the least expected loss."""
+        """First level with the smallest expected loss."""
         return self.rule.levels[int(least(self.expected_loss()))]
 
     def expected_loss(self) -> Array:
-        """Return expected entropy (nat) or variance after one more answer at each level, (n_levels,)."""
+        """Return the expected entropy (nat) or variance after an answer, (n_levels,)."""
         return expected_losses(self.rule, self.rule.likelihoods, self.state.weights, self.state.entropy)
 
     @property
@@ -185,9 +186,9 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
 class SharedQuestPlus:
     """`QuestPlus` on several tracks that share all parameters but the first.
 
-    Thresholds are independent given the shared parameters, so one likelihood table (n_first, n_rest) a track is exact:
-    ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. A track that was within `sd_stop` may go on
-    again after answers on another track; `n_trials` bounds each.
+    The thresholds are independent given the shared parameters, so one likelihood table (n_first, n_rest) per track is
+    exact: ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. A track that had reached `sd_stop` may
+    continue after answers on another track, up to `n_trials`.
 
     >>> from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
@@ -274,20 +275,21 @@ class SharedTrack(DelegatingProcedure):
 
 
 def least(losses: Array) -> NDArray[np.intp]:
-    """Return the first place of the least losses (n_levels, ...), up to `TIE`."""
+    """Return the first index of the smallest loss (n_levels, ...), up to `TIE`."""
     lowest = losses.min(axis=0)
     return np.asarray((losses <= lowest + TIE * (1 + np.abs(lowest))).argmax(axis=0))
 
 
 def expected_losses(rule: QuestPlus, likelihoods: Likelihoods, weights: Array, entropy: Array | float) -> Array:
-    """Return expected entropy (nat) or variance after one more answer at each level, (n_levels,).
+    """Return the expected loss after one more answer at each level, (n_levels,).
 
-    Weights are (n_cells,), or (n_cells, n_sets) with the entropy of each where `likelihoods` takes stacks.
+    The loss is an entropy (nat) or a variance. Weights are (n_cells,), or (n_cells, n_sets) with the entropy of each
+    set if `likelihoods` accepts stacks.
     """
     if rule.criterion == "variance":
         return _expected_variance(rule, likelihoods, weights)
-    # No posterior of a possible answer is needed: H(cell | answer) = H(cell) + H(answer | cell) - H(answer), and
-    # of the threshold alone H(threshold | answer) = H(threshold, answer) - H(answer).
+    # the posterior of a possible answer is not needed: H(cell | answer) = H(cell) + H(answer | cell) - H(answer), and
+    # for the threshold alone H(threshold | answer) = H(threshold, answer) - H(answer)
     spread = _sum_p_log_p(likelihoods.total(weights))
     if rule.aim == "threshold":
         return np.asarray(spread - _sum_p_log_p(likelihoods.joint(weights)).sum(axis=1), dtype=np.float64)
@@ -295,7 +297,7 @@ def expected_losses(rule: QuestPlus, likelihoods: Likelihoods, weights: Array, e
 
 
 def _expected_variance(rule: QuestPlus, likelihoods: Likelihoods, weights: Array) -> Array:
-    """Return the first parameter's expected variance, or the sum of all."""
+    """Return the expected variance of the first parameter, or the sum of all."""
     values = [np.asarray(each, dtype=np.float64) for each in rule.grid.parameters.values()]
     axes = [axis.ravel() for axis in np.meshgrid(*values, indexing="ij")]
     if rule.aim == "threshold":
@@ -310,7 +312,8 @@ def _expected_variance(rule: QuestPlus, likelihoods: Likelihoods, weights: Array
 
 
 def _variance_of(axis: Array, likelihoods: Likelihoods, weights: Array) -> Array:
-    away = np.subtract.outer(axis, axis @ weights)  # about the mean, so that the difference of squares keeps its digits
+    # relative to the mean, so that the difference of squares does not lose digits
+    away = np.subtract.outer(axis, axis @ weights)
     mass, first, second = (likelihoods.total(weights * away**power) for power in range(3))
     left: Array = second - first**2 / np.where(mass > 0, mass, 1.0)
     return np.asarray(np.where(mass > 0, left, 0.0).sum(axis=0), dtype=np.float64)

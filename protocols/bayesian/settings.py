@@ -22,7 +22,7 @@ MOST_VALUES = 10_000
 def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
     """Return values with equal steps or ratios from low, high and number.
 
-    Raises `InvalidParameter` if they make no rising grid; `owner` and the name open the message.
+    Raises `InvalidParameter` if the values do not increase. The message begins with `owner` and the name.
 
     >>> grid_values("levels", "log", low=1.0, high=100.0, n=3)
     (1.0, 10.0, 100.0)
@@ -50,21 +50,22 @@ class QuestPlusSettings:
     - `n_levels`: Number of levels from `low` to `high`.
     - `spacing`: ``linear`` for levels in decibels, ``log`` for levels above 0 in a linear unit (with the shape
       ``weibull``).
-    - `width_low`: Smallest width thought possible, in the unit of the levels, or in natural logarithms for ``weibull``.
-    - `width_high`: Largest width thought possible, in the same unit.
+    - `width_low`: Smallest possible width, in the unit of the levels, or in natural logarithms for ``weibull``.
+    - `width_high`: Largest possible width, in the same unit.
     - `n_widths`: Number of widths from `width_low` to `width_high`, with equal ratios.
-    - `width_prior_factor`: If given, the widths' prior is log-normal about the geometric middle of their grid with this
-      factor, above 1, for a standard deviation; else it is flat on the grid.
-    - `threshold_low`: Lowest threshold thought possible; by default the lowest level.
-    - `threshold_high`: Highest threshold thought possible; by default the highest level.
-    - `n_thresholds`: Number of thresholds between them; by default that of the levels.
-    - `shape`: Of the psychometric function: ``gumbel``, ``normal``, ``logistic``, ``reversed_gumbel`` or ``weibull``.
-    - `guess_rates`: Guess rates thought possible; a single one is taken as known.
-    - `lapse_rates`: Lapse rates thought possible; a single one is taken as known.
+    - `width_prior_factor`: Factor of one standard deviation, above 1, of a log-normal prior of the widths about the
+      geometric mean of their grid. Without it the prior is flat on the grid.
+    - `threshold_low`: Lowest possible threshold. The default is the lowest level.
+    - `threshold_high`: Highest possible threshold. The default is the highest level.
+    - `n_thresholds`: Number of thresholds in this range. The default is `n_levels`.
+    - `shape`: Shape of the psychometric function: ``gumbel``, ``normal``, ``logistic``, ``reversed_gumbel`` or
+      ``weibull``.
+    - `guess_rates`: Possible guess rates. A single one is treated as known.
+    - `lapse_rates`: Possible lapse rates. A single one is treated as known.
     - `n_trials`: Largest number of trials of a track.
-    - `sd_stop`: It ends when the threshold's standard deviation is so small, in the unit of the levels.
-    - `aim`: What is to be known: the threshold alone, or all parameters.
-    - `criterion`: What of it a level is to make least.
+    - `sd_stop`: Standard deviation of the threshold at which a track ends, in the unit of the levels.
+    - `aim`: Quantity to estimate: the threshold alone, or all parameters.
+    - `criterion`: Measure of its uncertainty that the next level minimises.
 
     >>> settings = QuestPlusSettings(low=0.0, high=40.0, n_levels=41, width_low=4.0, width_high=16.0, n_widths=3)
     >>> rule = settings.procedure()
@@ -122,23 +123,24 @@ class QuestPlusSettings:
 @dataclass(frozen=True)
 @constrained
 class PsiSettings:
-    """The psi method: QUEST+ for threshold and slope of a cumulative normal, guess and lapse rate known.
+    """Psi method: QUEST+ for threshold and slope of a cumulative normal.
 
-    Kontsevich and Tyler, Vision Research 39, 2729 (1999). Levels and thresholds share one grid with equal steps,
-    standard deviations (the inverse slopes) have equal ratios, the prior is flat on both, and the expected entropy of
-    threshold and slope together is least. `psi_marginal` minimises that of the threshold alone (Prins 2013).
+    The guess and lapse rates are known. Kontsevich and Tyler, Vision Research 39, 2729 (1999). Levels and thresholds
+    share one grid with equal steps. Standard deviations (the inverse slopes) have equal ratios. The prior is flat on
+    both. Each level minimises the expected entropy of threshold and slope together, or with `psi_marginal` that of the
+    threshold alone (Prins 2013).
 
-    - `low`: Lowest level, and lowest threshold thought possible.
-    - `high`: Highest level, and highest threshold thought possible.
+    - `low`: Lowest level, and lowest possible threshold.
+    - `high`: Highest level, and highest possible threshold.
     - `n_levels`: Number of levels, and of thresholds, from `low` to `high`.
-    - `sd_low`: Smallest standard deviation of the normal thought possible, in the unit of the levels.
-    - `sd_high`: Largest standard deviation of the normal thought possible, in the unit of the levels.
+    - `sd_low`: Smallest possible standard deviation of the normal, in the unit of the levels.
+    - `sd_high`: Largest possible standard deviation of the normal, in the unit of the levels.
     - `n_sds`: Number of standard deviations from `sd_low` to `sd_high`.
-    - `guess_rate`: Guess rate, taken as known; 0.5 is that of two-interval forced choice (unverified default).
-    - `lapse_rate`: Lapse rate, taken as known; 0.02 is that of 4 % blind answers in two intervals (unverified default).
-    - `psi_marginal`: Only the threshold is to be known.
+    - `guess_rate`: Known guess rate. 0.5 applies to two-interval forced choice (unverified default).
+    - `lapse_rate`: Known lapse rate. 0.02 applies to 4 % blind answers in two intervals (unverified default).
+    - `psi_marginal`: True to estimate only the threshold.
     - `n_trials`: Largest number of trials of a track.
-    - `sd_stop`: It ends when the threshold's standard deviation is so small, in the unit of the levels.
+    - `sd_stop`: Standard deviation of the threshold at which a track ends, in the unit of the levels.
 
     >>> PsiSettings(low=0.0, high=40.0, n_levels=41, sd_low=1.0, sd_high=8.0, n_sds=4).procedure().level
     23.0

@@ -1,6 +1,6 @@
 """Rules that weigh a grid of parameters.
 
-Weights are kept as logarithms, so that no cell is lost that may come back.
+Weights are kept as logarithms, so that very small weights can increase again.
 """
 
 import math
@@ -44,7 +44,7 @@ class Posterior:
         return float(entropies(self.log_weights, self.weights))
 
     def after(self, log_likelihood: Array) -> Self | None:
-        """Multiply by likelihoods (n_cells,), or return None if none is possible."""
+        """Multiply by likelihoods (n_cells,), or return None if all become zero."""
         return type(self).of(self.log_weights + log_likelihood)
 
 
@@ -74,7 +74,7 @@ def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array,
     sd_stop = -1.0 if rule.sd_stop is None else rule.sd_stop
     codes = np.where(sd <= sd_stop, CONVERGED, at_end).astype(np.int8)
 
-    # At an end of the grid a small spread is the grid's own: the run is censored, however it ended.
+    # a small spread at an end of the grid is caused by the grid: the run is censored, however it ended
     ends = {CENSORED_BELOW: values.argmin(), CENSORED_ABOVE: values.argmax()} if len(values) > 1 else {}
     for code, end in ends.items():
         is_highest = marginals[:, end] > HIGHEST * np.delete(marginals, end, axis=1).max(axis=1)
@@ -101,7 +101,7 @@ class WeighingRule(Rule[Any]):
     @property
     @abstractmethod
     def point(self) -> str:
-        """Point of the functions at which the threshold lies, in words."""
+        """Point of the functions at which the threshold is defined, in words."""
 
     @abstractmethod
     def log_likelihood(self, level: float, outcome: int) -> Array:
@@ -121,7 +121,7 @@ RuleT = TypeVar("RuleT", bound=WeighingRule)
 
 @dataclass(frozen=True, eq=False)
 class WeighingRun(Run[RuleT]):
-    """A run with weights; `contradicted` if no cell allows the last answer."""
+    """Run with weights; `contradicted` if no cell allows the last answer."""
 
     state: Posterior = field(kw_only=True, repr=False)
     contradicted: bool = False
@@ -149,7 +149,7 @@ class WeighingRun(Run[RuleT]):
             return "aborted"
         may_converge = self.rule.sd_stop is not None and self.responses
         if len(self.responses) < self.rule.n_trials and not may_converge:
-            return None  # without reading the weights
+            return None  # computed without the weights
         return ending_of(self._judged[2])
 
     def _estimate(self) -> RuleThreshold:

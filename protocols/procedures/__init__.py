@@ -1,1 +1,1 @@
-"""Rules for the next level: frozen, pure."""
+"""Rules for the next level: immutable and without side effects."""

@@ -1,4 +1,4 @@
-"""The method of constant stimuli."""
+"""Method of constant stimuli."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ from .stepping import (
 )
 
 
-# order: the levels in their order; state: how many of them were presented or left out
+# order: levels in their order; state: number of levels presented or skipped
 def _level(numbers: Numbers, order: Order, state: State) -> float:
     n_done: int = state[0]
     return order[min(n_done, len(order) - 1)]  # a run that has ended still has a level
@@ -44,15 +44,15 @@ def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]
 @dataclass(frozen=True)
 @constrained
 class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
-    """Constant stimuli: each level `repeats` times, whatever the responses.
+    """Each level `repeats` times, whatever the responses.
 
-    `begin` with a generator shuffles in blocks: within each repeat every level comes once, in random order. Without one
-    the levels come in their given order, repeat after repeat. Gescheider, Psychophysics: The Fundamentals, 3rd ed.
-    (1997), chapter 3. A run whose answers are all 1 or all 0 tells only on which side of its levels the threshold lies,
-    and ends as censored.
+    With a generator, `begin` shuffles in blocks: each level occurs once in each repeat, in random order. Without a
+    generator the levels have their given order in every repeat. Gescheider, Psychophysics: The Fundamentals, 3rd ed.
+    (1997), chapter 3. If all answers of a run are 1 or all are 0, the threshold is beyond the levels, and the run ends
+    as censored.
 
-    - `levels`: The levels that are presented, each once in a repeat.
-    - `repeats`: How often each is presented.
+    - `levels`: Levels, each presented once in a repeat.
+    - `repeats`: Number of presentations of each level.
 
     >>> rule = ConstantStimuli(levels=(1.0, 2.0), repeats=1)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).finished

@@ -1,4 +1,4 @@
-"""Easy trials of adaptive procedures, which reveal the lapse rate."""
+"""Easy trials of adaptive procedures, from which the lapse rate is estimated."""
 
 from dataclasses import dataclass, replace
 from math import ceil
@@ -13,9 +13,9 @@ from .procedure import DelegatingProcedure, Ending, Procedure
 
 @dataclass(frozen=True)
 class EasyTrials(DelegatingProcedure):
-    """An adaptive procedure with easy trials at `places` (from 0).
+    """Adaptive procedure with easy trials at `places` (from 0).
 
-    A staircase does not learn of the answers to easy trials, a Bayesian procedure does. They count towards the largest
+    A staircase ignores the answers to easy trials, a Bayesian procedure uses them. They count towards the largest
     number of trials.
 
     >>> from tactometry.protocols import Staircase
@@ -53,7 +53,7 @@ class EasyTrials(DelegatingProcedure):
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         if self.finished:
-            raise InvalidParameter("EasyTrials.after: the procedure has finished, expected no further response")
+            raise InvalidParameter("EasyTrials.after: found a response after the end of the procedure, expected none")
         level = self.level if delivered is None else delivered
         learns = not self.is_easy or self.view.learns_from_easy
         procedure = self.view.after(response, level) if learns else self.view

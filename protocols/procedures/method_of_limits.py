@@ -1,4 +1,4 @@
-"""The method of limits."""
+"""Method of limits."""
 
 import math
 from collections.abc import Sequence
@@ -28,15 +28,15 @@ from .stepping import (
 
 Direction = Literal["ascending", "descending", "alternating"]
 N_STEPS = 10_000
-"""Largest number of steps in the range: longer series are impractical."""
+"""Largest number of steps in the range. Longer series are impractical."""
 DIRECTIONS = get_args(Direction)
 ASCENDING, ALTERNATING = 0, 2
 UNCHANGED = math.inf
-"""The mark of an answer that ends a series without a transition."""
+"""Mark of an answer that ends a series without a transition."""
 
 
 class LimitsNumbers(NamedTuple):
-    """Numbers of the rule, the direction as a place in `DIRECTIONS`."""
+    """Numbers of the rule. The direction is an index into `DIRECTIONS`."""
 
     low: float
     step: float
@@ -45,8 +45,8 @@ class LimitsNumbers(NamedTuple):
     direction_index: int
 
 
-# order: where each series begins, in steps inwards
-# state: series that are over, answers in the present one, how many of the former had no transition
+# order: start of each series, in steps inwards
+# state: finished series, answers in the current series, finished series without a transition
 def _start(numbers: LimitsNumbers, order: Order) -> State:
     return 0, 0, 0
 
@@ -63,10 +63,10 @@ def _level(numbers: LimitsNumbers, order: Order, state: State) -> float:
 def _after(
     numbers: LimitsNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """Go on in the series, or begin the next one at a transition."""
+    """Continue the series, or begin the next one at a transition."""
     n_over, n_in_series, n_unchanged = state
     ascending = n_over % 2 == 1 if numbers.direction_index == ALTERNATING else numbers.direction_index == ASCENDING
-    turned = (answers[-1] == 1) == ascending  # rising levels change the answer to 1, falling ones to 0
+    turned = (answers[-1] == 1) == ascending  # in ascending series the answer changes to 1, in descending ones to 0
     if not turned and order[n_over] + n_in_series < numbers.n_steps:
         return (n_over, n_in_series + 1, n_unchanged), math.nan
     if turned and n_in_series > 0:
@@ -87,7 +87,7 @@ def _ending(numbers: LimitsNumbers, order: Order, state: State, answers: Sequenc
 
 
 def _threshold(marks: Sequence[float]) -> float:
-    """Mean of the transitions."""
+    """Return the mean of the transitions."""
     n, total = 0, 0.0
     for mark in marks:
         if math.isfinite(mark):
@@ -98,22 +98,22 @@ def _threshold(marks: Sequence[float]) -> float:
 @dataclass(frozen=True)
 @constrained
 class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
-    """Series of rising or falling levels, each until the answer changes.
+    """Ascending or descending series of levels, until the answer changes.
 
-    An ascending series starts at `low` and ends at the first 1, a descending one starts at `high` and ends at the
-    first 0; alternating series begin with a descending one. The transition lies half-way between the last two levels
-    that were *delivered*; the threshold is the mean of all transitions. Gescheider, Psychophysics: The Fundamentals,
-    3rd ed. (1997), chapter 3. A series that comes to its last level, or begins, without a change has no transition;
-    when more than half of all series have none, the run is censored, or aborted if it has as many 1 as 0: such answers
-    contradict each other and bound nothing.
+    An ascending series starts at `low` and ends at the first 1. A descending series starts at `high` and ends at the
+    first 0. Alternating series begin with a descending one. The transition is half-way between the last two levels that
+    were *delivered*, and the threshold is the mean of all transitions. Gescheider, Psychophysics: The Fundamentals, 3rd
+    ed. (1997), chapter 3. A series has no transition if it reaches its last level without a change, or if its first
+    answer ends it. If more than half of all series have none, the run is censored. It is aborted instead if as many
+    answers are 1 as are 0, because such answers contradict each other.
 
     - `low`: Lowest level that is presented.
     - `high`: Highest level that is presented.
     - `step`: Distance between neighbouring levels.
-    - `n_series`: How many series there are.
-    - `n_start_steps`: `begin` with a generator moves the start of each series inwards by 0 to this many steps, against
-      the habit of counting.
-    - `direction`: Which way series go.
+    - `n_series`: Number of series in a track.
+    - `n_start_steps`: With a generator, `begin` moves the start of each series inwards by 0 to this number of steps, so
+      that participants cannot count steps.
+    - `direction`: Direction of the series.
 
     >>> rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=2)
     >>> for answer in (1, 1, 0, 0, 0, 1):
@@ -147,7 +147,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
 
     @property
     def n_steps(self) -> int:
-        # Whole steps may divide to just less than a whole number: 0.3 / 0.1 does.
+        # 0.3 / 0.1 is less than 3, so a quotient of whole steps may need rounding up
         return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
 
     @property
@@ -176,7 +176,7 @@ class MethodOfLimitsRun(SteppingRun[MethodOfLimits]):
 
     @property
     def transitions(self) -> tuple[float | None, ...]:
-        """Transitions of the series that are over, None for one without."""
+        """Transitions of the finished series, None for a series without one."""
         return tuple(None if mark == UNCHANGED else mark for mark in self.marks if not math.isnan(mark))
 
     def _estimate(self) -> RuleThreshold:

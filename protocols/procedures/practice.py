@@ -40,14 +40,14 @@ OnMiss = Literal["go_on", "ask"]
 class Practice(SteppingRule[Any]):
     """Easy levels in turn until `n_correct` of the last `n_of` are right.
 
-    It ends as ``converged`` when the criterion was met, else as ``trials``.
+    It ends as ``converged`` if the criterion was met, else as ``trials``.
 
-    - `levels`: Easy ones, in turn.
-    - `n_correct`: Number of correct answers among the last `n_of` that ends the practice.
-    - `n_of`: Number of last answers among which `n_correct` must be correct.
-    - `n_trials`: Largest number of trials; the practice then ends without its criterion.
-    - `on_miss`: With ``ask``, the experimenter chooses after a practice that missed its criterion: practice again, go
-      on, or end the session. With ``go_on`` the session goes on.
+    - `levels`: Easy levels, presented in turn.
+    - `n_correct`: Number of correct answers among the last `n_of` at which the practice ends.
+    - `n_of`: Number of most recent answers in which correct ones are counted.
+    - `n_trials`: Largest number of trials. The practice then ends without its criterion.
+    - `on_miss`: What happens after a failed practice. With ``ask``, the experimenter chooses to repeat it, to continue,
+      or to end the session. With ``go_on`` the session continues.
 
     >>> rule = Practice(levels=(40.0, 30.0), n_correct=2, n_of=3, n_trials=10)
     >>> rule.after(1).level, rule.after(1).after(0).after(1).ending

@@ -16,13 +16,13 @@ from tactometry.errors import InvalidParameter
 
 Count = Annotated[int, Ge(1)]
 MOST_TRIALS = 1_000_000
-"""Largest number of trials: at 5 s each they last 58 days."""
+"""Largest number of trials. At 5 s each they would take 58 days."""
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
 
 
 @dataclass(frozen=True)
 class RuleThreshold:
-    """A rule's estimate: level, SD, count, and kind or reason of absence."""
+    """Estimate of a rule: level, SD, count, and type or reason of absence."""
 
     level: float | None = None
     sd: float | None = None
@@ -31,14 +31,14 @@ class RuleThreshold:
 
 
 class Procedure(ABC):
-    """A frozen, pure rule for the next level, before or after answers.
+    """Immutable rule for the next level, before or after answers.
 
-    `after` gives the procedure that follows a response (1 or True: correct, or "felt") to the level that was
-    *delivered*, which counts whether or not it is the one that was asked for.
+    `after` returns the procedure that follows a response (1 or True: correct, or "felt"). The rule uses the level
+    that was *delivered*, even if it requested another level.
     """
 
     learns_from_easy: ClassVar[bool] = False
-    """Whether answers to easy trials (`easy.EasyTrials`) are reported to it."""
+    """True if answers to easy trials (`easy.EasyTrials`) are passed to the procedure."""
 
     @property
     @abstractmethod
@@ -48,7 +48,7 @@ class Procedure(ABC):
     @property
     @abstractmethod
     def bounds(self) -> tuple[float, float]:
-        """Lowest and highest level that it may ask for."""
+        """Lowest and highest level that the procedure may request."""
 
     @property
     @abstractmethod
@@ -58,12 +58,12 @@ class Procedure(ABC):
     @property
     @abstractmethod
     def level(self) -> float:
-        """Next level."""
+        """Level of the next trial."""
 
     @property
     @abstractmethod
     def ending(self) -> Ending | None:
-        """Why the procedure ended, or None while it runs."""
+        """Reason why the procedure ended, or None while it runs."""
 
     @property
     @abstractmethod
@@ -74,8 +74,8 @@ class Procedure(ABC):
     def after(self, response: int | bool, delivered: float | None = None) -> "Procedure":
         """Return the procedure after a response to the delivered level.
 
-        Raises `InvalidParameter` if the response is no outcome of the rule, the level is not a finite number, or the
-        procedure has finished.
+        Raises `InvalidParameter` if the response is not an outcome of the rule, the level is not a finite number, or
+        the procedure has finished.
         """
 
     @property
@@ -84,7 +84,7 @@ class Procedure(ABC):
 
     @property
     def is_easy(self) -> bool:
-        """True if the next trial is an easy one at a fixed level."""
+        """True if the next trial is an easy trial at a fixed level."""
         return False
 
     @property
@@ -93,17 +93,17 @@ class Procedure(ABC):
         return self.estimate.level
 
     def learning_from(self, other: "Procedure") -> Self:
-        """Return this procedure after an answer on another track, or itself."""
+        """Return this procedure after an answer on another track."""
         del other
         return self
 
 
 class FixedOrder(Procedure):
-    """A procedure whose order no response changes; it can leave out a level."""
+    """Procedure in a fixed order, whatever the responses. Levels can be postponed."""
 
     @abstractmethod
     def skip(self) -> "FixedOrder":
-        """Return the procedure at the next presentation; this one comes later."""
+        """Return the procedure at the next presentation, postponing this one."""
 
     @abstractmethod
     def take(self, response: int | bool) -> "FixedOrder":
@@ -111,7 +111,7 @@ class FixedOrder(Procedure):
 
 
 class DelegatingProcedure(Procedure):
-    """A procedure that behaves as another one, its `view`."""
+    """Procedure that delegates to another procedure, its `view`."""
 
     @property
     @abstractmethod
@@ -144,7 +144,7 @@ RuleT = TypeVar("RuleT", bound="Rule[Any]")
 
 @runtime_checkable
 class OfLevels(Protocol):
-    """A rule that asks for its `levels` alone, at least one."""
+    """Rule that requests only its `levels`, at least one."""
 
     levels: tuple[float, ...]
 
@@ -156,7 +156,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
     high: float
     n_trials: int
     unreplayed: ClassVar[str] = ""
-    """Reason why answers and levels do not determine a run; empty if they do."""
+    """Reason why answers and levels do not determine a run, or empty."""
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -169,7 +169,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
 
     @abstractmethod
     def begin(self, rng: np.random.Generator | None = None) -> RunT:
-        """Return a run without answers, its order drawn by `rng` if any."""
+        """Return a run without answers, with an order drawn by `rng` if needed."""
 
     def begin_together(self, tracks: Sequence[str]) -> "tuple[Procedure, ...]":
         """Return procedures for tracks that may learn from each other."""
@@ -218,14 +218,14 @@ class Run(Procedure, Generic[RuleT]):
         owner = type(self.rule).__name__
         outcome = checked_outcome(response, self.rule.n_outcomes, owner)
         if self.finished:
-            raise InvalidParameter(f"{owner}.after: the procedure has finished, expected no further response")
+            raise InvalidParameter(f"{owner}.after: found a response after the end of the procedure, expected none")
         level = self.level if delivered is None else delivered
         expect(is_number(level), f"{owner}.after", f"the delivered level {excerpt(level)}", "a finite number")
         return replace(self, responses=(*self.responses, outcome), delivered=(*self.delivered, level))._updated()
 
     @abstractmethod
     def _updated(self) -> Self:
-        """Take in the last response of the history."""
+        """Update the state with the last response of the history."""
 
     @abstractmethod
     def _estimate(self) -> RuleThreshold:
@@ -235,7 +235,7 @@ class Run(Procedure, Generic[RuleT]):
 def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
     """Return `response` as the number of an outcome, from 0.
 
-    Raises `InvalidParameter` if it is none: an unanswered trial must be asked again, not counted as wrong.
+    Raises `InvalidParameter` if it is not an outcome. An unanswered trial must be repeated, not counted as wrong.
     """
     if n_outcomes == 2 and isinstance(response, int | float | np.bool_ | np.number) and response in (0, 1):
         return int(response)
@@ -243,7 +243,7 @@ def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
         return int(response)
     expected = f"a whole number from 0 to {n_outcomes - 1}"
     if n_outcomes == 2:
-        expected = "1 (correct, felt) or 0; ask the trial again if it was not answered"
+        expected = "1 (correct, felt) or 0; repeat the trial if it was not answered"
     raise InvalidParameter(f"{procedure}.after: found the response {response!r}, expected {expected}")
 
 

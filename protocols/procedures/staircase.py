@@ -1,4 +1,4 @@
-"""The up-down staircases, transformed and weighted."""
+"""Up-down staircases, transformed and weighted."""
 
 import math
 from abc import abstractmethod
@@ -28,7 +28,7 @@ from .stepping import (
 
 UP, STAY, DOWN = 1, 0, -1
 DISCARDED = 2
-"""Number of first reversals, with large steps, that the estimate leaves out."""
+"""Number of first reversals, with large steps, that the estimate omits."""
 
 
 class StaircaseNumbers(NamedTuple):
@@ -47,7 +47,7 @@ class StaircaseNumbers(NamedTuple):
     n_at_bound: int
 
 
-# state: level asked, direction of the last move, streak, number of reversals, moves in a row beyond a bound
+# state: requested level, direction of the last move, streak, reversals, consecutive moves beyond a bound
 def _start(numbers: StaircaseNumbers, order: Order) -> State:
     return numbers.start, STAY, 0, 0, 0
 
@@ -73,7 +73,7 @@ def _after(
         return (min(max(level, low), high), last, streak, n_reversals, n_pinned), math.nan
 
     direction = DOWN if down else UP
-    turned = last == -direction  # never at the first move, whose predecessor is STAY
+    turned = last == -direction  # the first move, after STAY, is never a reversal
     n_reversals += 1 if turned else 0
     steps = numbers.steps_down if down else numbers.steps_up
     asked = level + direction * steps[min(n_reversals, len(steps) - 1)]
@@ -92,7 +92,7 @@ def _ending(numbers: StaircaseNumbers, order: Order, state: State, answers: Sequ
 
 
 def _threshold(marks: Sequence[float]) -> float:
-    """Return the mean of the last reversals, as many peaks as valleys."""
+    """Return the mean of the last reversals, with equal peaks and valleys."""
     n, total = 0, 0.0
     for mark in marks:
         n += 0 if math.isnan(mark) else 1
@@ -122,7 +122,7 @@ class UpDown(SteppingRule["StaircaseRun"]):
         return StaircaseRun(self)
 
     def _check(self, **schedules: tuple[float, ...]) -> None:
-        """Refuse bounds, a start or schedules of steps that make no staircase."""
+        """Refuse bounds, a start or steps that do not make a staircase."""
         owner, widest = type(self).__name__, self.high - self.low
         below(owner, low=self.low, high=self.high)
         among = f"a level between low ({self.low:g}) and high ({self.high:g})"
@@ -139,26 +139,29 @@ class UpDown(SteppingRule["StaircaseRun"]):
 @dataclass(frozen=True)
 @constrained
 class Staircase(UpDown):
-    """n-up m-down: `n_down` correct responses in a row lower the level, `n_up` wrong ones in a row raise it.
+    """Staircase that follows an n-up m-down rule.
 
-    The target of 1 up, m down is the level of p = 0.5^(1/m) correct (Levitt, J. Acoust. Soc. Am. 49, 467, 1971, table
-    I). Levels are in a unit in which equal steps make sense, such as decibels. Until the first reversal one response
-    moves the level (`initial_rule`), as in PsychoPy. Step k is used after k reversals, the last one from then on.
+    `n_down` correct responses in a row lower the level, `n_up` wrong responses in a row raise it. The target of 1 up, m
+    down is the level of p = 0.5^(1/m) correct (Levitt, J. Acoust. Soc. Am. 49, 467, 1971, table I). Levels are in a
+    unit in which equal steps make sense, such as decibels. Until the first reversal one response moves the level
+    (`initial_rule`), as in PsychoPy. Step k is used after k reversals, and the last step from then on.
 
-    Differences from PsychoPy's StairHandler: the next level starts from the level that was *delivered*; it ends at
-    `n_reversals` reversals or `n_trials` trials, whichever comes first (PsychoPy: when both are reached); and
-    `n_at_bound` moves in a row that ask for a level beyond `low` or `high` end it as censored (PsychoPy goes on).
+    There are three differences from PsychoPy's StairHandler. The next level starts from the level that was *delivered*.
+    The staircase ends at `n_reversals` reversals or `n_trials` trials, whichever comes first (PsychoPy: when both are
+    reached). After `n_at_bound` moves in a row to a level beyond `low` or `high` it ends as censored (PsychoPy
+    continues).
 
     - `start`: Level of the first trial.
-    - `steps`: By how much a level changes: the first step until the first reversal, and so on; the last one stays.
+    - `steps`: Sizes of the steps. The first step is used until the first reversal, and so on. The last step is then
+      kept.
     - `low`: Lowest level that is presented.
     - `high`: Highest level that is presented.
-    - `n_up`: So many wrong answers in a row raise the level.
-    - `n_down`: So many right answers in a row lower it.
-    - `n_reversals`: It ends after so many reversals.
+    - `n_up`: Number of wrong answers in a row that raise the level.
+    - `n_down`: Number of right answers in a row that lower the level.
+    - `n_reversals`: Number of reversals after which a track ends.
     - `n_trials`: Largest number of trials of a track.
-    - `n_at_bound`: So many moves in a row beyond a bound end it as censored.
-    - `initial_rule`: Until the first reversal one answer moves the level.
+    - `n_at_bound`: Number of moves in a row beyond a bound after which a track ends as censored.
+    - `initial_rule`: True if a single answer moves the level until the first reversal.
 
     >>> rule = Staircase(start=20.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=2, n_reversals=4, n_trials=50)
     >>> rule.after(1).level, rule.after(1).after(0).level
@@ -197,12 +200,13 @@ class Staircase(UpDown):
 @dataclass(frozen=True)
 @constrained
 class WeightedStaircase(UpDown):
-    """Steps up and down of different size: the target is p = (d_up / (d_up + d_down))^(1 / n_down).
+    """Staircase with steps up and down of different sizes.
 
-    With `n_down` 1 it is Kaernbach's (Perception & Psychophysics 49, 227, 1991), above 1 Garcia-Perez's weighted
-    transformed one (Vision Research 38, 1861, 1998). Reversals, bounds and endings are those of `Staircase`.
+    The target is p = (d_up / (d_up + d_down))^(1 / n_down). With `n_down` 1 it is the staircase of Kaernbach
+    (Perception & Psychophysics 49, 227, 1991), above 1 the weighted transformed one of Garcia-Perez (Vision Research
+    38, 1861, 1998). Reversals, bounds and endings are those of `Staircase`.
 
-    - `steps_up`: Steps upwards, one after each number of reversals; the last one stays.
+    - `steps_up`: Steps upwards, the first until the first reversal, and so on. The last step is then kept.
     - `steps_down`: Steps downwards, as many as `steps_up`.
     - `start`, `low`, `high`, `n_down`, `n_reversals`, `n_trials`, `n_at_bound`: As in `Staircase`.
 
@@ -232,7 +236,7 @@ class WeightedStaircase(UpDown):
 
     @property
     def target(self) -> float:
-        """Probability correct at which up and down balance."""
+        """Probability correct at which steps up and down balance."""
         up, down = self.steps_up[-1], self.steps_down[-1]
         return math.pow(up / (up + down), 1 / self.n_down)
 
@@ -247,12 +251,12 @@ class StaircaseRun(SteppingRun[UpDown]):
 
     @property
     def reversals(self) -> tuple[float, ...]:
-        """Levels at which the staircase turned."""
+        """Levels at which the staircase changed direction."""
         return tuple(mark for mark in self.marks if not math.isnan(mark))
 
     @property
     def streak(self) -> int:
-        """Equal responses since the last move, negative if wrong."""
+        """Number of equal responses since the last move, negative if wrong."""
         return int(self.state[2])
 
     def _estimate(self) -> RuleThreshold:

@@ -18,7 +18,7 @@ Numbers = tuple[Any, ...]
 Order = Sequence[float]
 State = tuple[Any, ...]
 GOES_ON, CONVERGED, TRIALS, CENSORED_ABOVE, CENSORED_BELOW, ABORTED = range(6)
-"""Codes of `Transition.ending`. Runs that end with the last three have no threshold."""
+"""Codes of `Transition.ending`. Runs with one of the last three endings have no threshold."""
 
 
 def _no_answer(numbers: Numbers, order: Order) -> State:
@@ -37,18 +37,19 @@ def _no_threshold(marks: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class Transition:
-    """Steps of a kind of procedure, as functions that numba can compile.
+    """Steps of a type of procedure, as functions that numba can compile.
 
-    `numbers` are those of the rule, a named tuple of numbers and of sequences of numbers; `order` is what was drawn for
-    the run before its first answer, empty for most rules; `state` is a tuple of numbers, each either always whole or
-    never; `answers` and `levels` are the history with the last answer.
+    `numbers` is a named tuple with the numbers and sequences of numbers of the rule. `order` contains the numbers drawn
+    before the first answer, none for most rules. `state` is a tuple of numbers, each of which is always an integer or
+    always a float. `answers` and `levels` are the history including the last answer.
 
-    - `level`: ``level(numbers, order, state)``: the next level, also of a run that has ended.
-    - `ending`: ``ending(numbers, order, state, answers)``: `GOES_ON`, or how it ended.
-    - `start`: ``start(numbers, order)``: the state before the first answer; by default no answers.
-    - `after`: ``after(numbers, order, state, answers, levels)``: the state after the last answer, and its mark: a level
-      that an estimate rests on (a reversal, a transition), else NaN; by default the number of answers and NaN.
-    - `threshold`: ``threshold(marks)``: the rule's own estimate from the marks of all answers; by default NaN.
+    - `level`: ``level(numbers, order, state)``: the next level, even if the run has ended.
+    - `ending`: ``ending(numbers, order, state, answers)``: `GOES_ON`, or the code of the ending.
+    - `start`: ``start(numbers, order)``: the state before the first answer. By default it is the number of answers, 0.
+    - `after`: ``after(numbers, order, state, answers, levels)``: the state after the last answer, and its mark. The
+      mark is a level used for the estimate (a reversal, a transition), else NaN. By default these are the number of
+      answers and NaN.
+    - `threshold`: ``threshold(marks)``: the estimate of the rule from the marks of all answers. By default it is NaN.
     """
 
     level: Callable[..., float]
@@ -87,7 +88,7 @@ class SteppingRule(Rule[RunT]):
         return run  # type: ignore[no-any-return]
 
     def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
-        """Draw the orders of runs, (n_sets, n_drawn), none for most rules."""
+        """Draw the orders of runs, (n_sets, n_drawn), empty for most rules."""
         del rng
         return np.zeros((n_sets, 0))
 
@@ -97,11 +98,11 @@ RuleT = TypeVar("RuleT", bound=SteppingRule[Any])
 
 @dataclass(frozen=True)
 class SteppingRun(Run[RuleT]):
-    """Run of such a rule.
+    """Run of a rule with a transition.
 
-    - `order`: What was drawn before the first answer.
-    - `state`: The state of the transition; by default that before the first answer.
-    - `marks`: One for each answer: a level that the estimate rests on, else NaN.
+    - `order`: Numbers drawn before the first answer.
+    - `state`: State of the transition. The default is the state before the first answer.
+    - `marks`: For each answer, a level used for the estimate, else NaN.
     """
 
     order: tuple[float, ...] = ()

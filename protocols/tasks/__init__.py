@@ -1,1 +1,1 @@
-"""The course of one trial, a file per task."""
+"""The course of one trial, in one file per task."""

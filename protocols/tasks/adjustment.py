@@ -1,4 +1,4 @@
-"""The method of adjustment."""
+"""Method of adjustment."""
 
 from dataclasses import dataclass
 
@@ -15,12 +15,12 @@ from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 @dataclass(frozen=True)
 @constrained
 class AdjustmentTask(Task):
-    """The participant sets the level, from the procedure's level, in steps of `step` within the bounds.
+    """The participant sets the level, starting at the procedure's level.
 
-    The row's `level` is the start, its response the final level. Gescheider, Psychophysics: The Fundamentals, 3rd ed.
-    (1997), chapter 3.
+    The level changes in steps of `step` within the bounds. In the row, `level` is the start and the response is the
+    final level. Gescheider, Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
 
-    - `step`: What an arrow key changes.
+    - `step`: Change of the level per press of an arrow key.
     - `low`: Lowest level that can be set.
     - `high`: Highest level that can be set.
     """
@@ -38,9 +38,9 @@ class AdjustmentTask(Task):
         expect(0 < self.step <= widest, "AdjustmentTask.step", f"{self.step:g}", expected)
 
     def check_starts(self, low: float, high: float) -> None:
-        """Refuse a procedure whose levels, where trials start, leave the bounds."""
-        starts = f"levels from {low:g} to {high:g} where an adjustment starts"
-        bounds = f"them within the bounds of the task ({self.low:g} to {self.high:g})"
+        """Refuse a procedure with start levels outside the bounds."""
+        starts = f"start levels of an adjustment from {low:g} to {high:g}"
+        bounds = f"start levels within the bounds of the task ({self.low:g} to {self.high:g})"
         expect(self.low <= low <= high <= self.high, "procedure", starts, bounds)
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:

@@ -13,11 +13,12 @@ from .task import AgainstStandard, Presentation, Reply, TaskKind, TrialCourse
 
 @dataclass(frozen=True)
 class Comparison(AgainstStandard):
-    """A comparison of a level with a standard ("which one is stronger?").
+    """Comparison of a level with a standard ("which one is stronger?").
 
-    Both come in random order; the result is a just noticeable difference. The response, also to the procedure, is 1 if
-    the level was called stronger; it is correct if the level was higher, and not defined at equality. `target` is the
-    interval of the level. Gescheider, Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
+    Both are presented in random order, and the result is a just noticeable difference. The response, also for the
+    procedure, is 1 if the participant called the level stronger. It is correct if the level was higher, and neither
+    right nor wrong if both were equal. `target` is the interval of the level. Gescheider, Psychophysics: The
+    Fundamentals, 3rd ed. (1997), chapter 3.
     """
 
     name = "comparison"

@@ -1,4 +1,4 @@
-"""m-interval forced choice."""
+"""Forced choice among m intervals."""
 
 from dataclasses import dataclass
 
@@ -16,11 +16,11 @@ from .touch import feel_in_turn, nth
 
 @dataclass(frozen=True)
 class ForcedChoice(Task):
-    """A forced choice among intervals ("which one contains the stimulus?").
+    """Forced choice among intervals ("which one contains the stimulus?").
 
     Green and Swets, Signal Detection Theory and Psychophysics (1966), section 2.4.
 
-    - `n_intervals`: Number of intervals of a trial; the chance level is 1 divided by it.
+    - `n_intervals`: Number of intervals of a trial. The chance level is 1 divided by it.
     """
 
     n_intervals: int = 2

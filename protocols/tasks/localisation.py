@@ -16,10 +16,11 @@ from .task import Over, Places, Presentation, Task, TaskKind, TrialCourse, Trial
 
 @dataclass(frozen=True)
 class Localisation(Task):
-    """An m-alternative forced choice among places or foci.
+    """Forced choice among m alternatives, which are places or foci.
 
-    `target` is the number of the alternative, from 1; chance is one over their number. For alternatives with places,
-    `separation_m` is the smallest distance between two of them, and `error_m` that of the answer from the target.
+    `target` is the number of the alternative, from 1. The chance level is 1 / m. For alternatives with places,
+    `separation_m` is the smallest distance between two of them, and `error_m` the distance of the answer from the
+    target.
     """
 
     name = "localisation"

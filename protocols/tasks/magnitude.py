@@ -16,9 +16,10 @@ from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 class Magnitude(Task):
     """A stimulus, then a number for its strength, from 0 up to `high`.
 
-    Stevens, American Journal of Psychology 69, 1 (1956). The procedure learns whether anything was felt (above 0).
+    Stevens, American Journal of Psychology 69, 1 (1956). The response for the procedure is whether anything was felt
+    (above 0).
 
-    - `high`: Highest number that can be given; without it numbers have no upper bound.
+    - `high`: Highest number that can be entered. Without it there is no upper bound.
     """
 
     high: Positive | None = None

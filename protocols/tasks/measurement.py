@@ -1,4 +1,4 @@
-"""Measurement of a stimulus under a held contact by an instrument."""
+"""Measurement of a stimulus with an instrument, during a held contact."""
 
 import math
 from dataclasses import dataclass
@@ -18,12 +18,13 @@ LevelUnit = Literal["dB re 1 um", "m"]
 
 @dataclass(frozen=True)
 class Measurement(Task):
-    """One stimulus, then the reading of a vibrometer in nm: entered by the experimenter, simulated or recorded.
+    """One stimulus, then the reading of a vibrometer in nm.
 
-    The row holds the reading as `response` (nm) and as `level_measured` in the unit of the levels. A reading of 0 is
-    below what the instrument resolves: it has no level in decibels.
+    The experimenter enters the reading, or it is simulated or recorded. The row contains it as `response` (nm) and as
+    `level_measured` in the unit of the levels. A reading of 0 is below the resolution of the instrument and has no
+    level in decibels.
 
-    - `level_unit`: That of the stimulus, ``dB re 1 um`` or ``m``.
+    - `level_unit`: Unit of the stimulus, ``dB re 1 um`` or ``m``.
     """
 
     level_unit: LevelUnit = "dB re 1 um"
@@ -44,7 +45,7 @@ class Measurement(Task):
 
 
 def level_of(nanometres: float | None, level_unit: str) -> float | None:
-    """Convert a reading to the unit of the levels, or None.
+    """Convert a reading to the unit of the levels, or return None.
 
     >>> level_of(10e3, "dB re 1 um"), level_of(0.0, "dB re 1 um"), level_of(0.0, "m")
     (20.0, None, 0.0)

@@ -16,8 +16,8 @@ from .touch import feel_in_turn
 class Preference(Task):
     """Two alternatives in random order ("which do you prefer?").
 
-    A row holds them as `item` and `item_b` in their order; the response, 1 or 2, names the winner, as a Bradley-Terry
-    fit takes it. Bradley and Terry, Biometrika 39, 324 (1952).
+    The row contains them as `item` and `item_b` in their order. The response, 1 or 2, is the preferred one, as a
+    Bradley-Terry fit requires. Bradley and Terry, Biometrika 39, 324 (1952).
     """
 
     name = "preference"

@@ -22,7 +22,7 @@ MOST_TOUCHES = 1000
 
 
 def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
-    """Lay the items out on equally long pages."""
+    """Divide the items into pages of nearly equal length."""
     most = N_STATEMENTS_PER_PAGE if any(item.statement for item in items) else N_PER_PAGE
     n_pages = -(-len(items) // most)
     n_each = -(-len(items) // n_pages)
@@ -38,7 +38,7 @@ def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
 
 
 def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) -> Course[tuple[Reply, ...]]:
-    """Ask the pages, also backwards, and return the replies in order."""
+    """Ask the pages, allow going back, and return the replies in order."""
     order = rng.permutation(len(form.items)) if shuffled else range(len(form.items))
     asked = pages(form, [form.items[int(n)] for n in order])
     filled: dict[int, Filled] = {}
@@ -57,7 +57,7 @@ def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) ->
 @dataclass(frozen=True)
 @constrained
 class Rating(Task):
-    """A stimulus, felt `n_touches` times, then a questionnaire about it. A row for each item."""
+    """A stimulus, felt `n_touches` times, then a questionnaire, a row per item."""
 
     form: Questionnaire
     shuffled: bool = False
@@ -81,11 +81,11 @@ class Rating(Task):
 @dataclass(frozen=True)
 @constrained
 class RatingTable:
-    """A questionnaire by its name.
+    """Questionnaire by its name.
 
-    - `form`: The questionnaire: a shipped one, or one of `[forms]`.
-    - `shuffled`: Whether its items come in an order drawn for each participant.
-    - `n_touches`: How often the stimulus is felt before it is rated.
+    - `form`: Name of a shipped questionnaire, or of one in `[forms]`.
+    - `shuffled`: True if the order of its items is drawn for each participant.
+    - `n_touches`: Number of touches of the stimulus before it is rated.
     """
 
     form: str

@@ -13,9 +13,10 @@ from .task import AgainstStandard, Presentation, TaskKind, TrialCourse
 
 @dataclass(frozen=True)
 class SameDifferent(AgainstStandard):
-    """The standard and a level in random order ("same or different?"); catch trials are the standard twice.
+    """The standard and a level in random order ("same or different?").
 
-    The response is 1 for "different". Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
+    Catch trials present the standard twice. The response is 1 for "different". Macmillan and Creelman, Detection
+    Theory, 2nd ed. (2005), chapter 9.
     """
 
     name = "same_different"

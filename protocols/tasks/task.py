@@ -22,7 +22,7 @@ Places = tuple[Place, ...]
 
 @dataclass(frozen=True)
 class Alternative:
-    """A stimulus that a trial chooses among, with label and places."""
+    """Stimulus that a trial chooses among, with label and places."""
 
     stimulus: str
     label: str
@@ -32,7 +32,7 @@ class Alternative:
 
 @dataclass(frozen=True)
 class Presentation:
-    """A stimulus at a level, or a catch trial for None."""
+    """Stimulus at a level, or a catch trial for None."""
 
     stimulus: str
     level: float | None
@@ -42,7 +42,7 @@ class Presentation:
 
 @dataclass(frozen=True)
 class Reply:
-    """Cells of an answer; without a response the question was left open."""
+    """Cells of an answer. Without a response the question was left open."""
 
     answer: Answer | None = None
     response: float | None = None
@@ -56,8 +56,8 @@ class Reply:
 class TrialOutcome:
     """Outcome of one presentation, with a row for each reply.
 
-    `stimulus` is the touch whose delivered level counts; `success` is the response for the procedure (None: no
-    response); `factors` are those that the trial chose; `rule` replaces the procedure's name in its column.
+    `stimulus` is the touch whose delivered level counts. `success` is the response for the procedure (None: no
+    response). `factors` are the levels that the trial chose. `rule` replaces the procedure's name in its column.
     `separation_m` and `error_m` are distances between alternatives that have places.
     """
 
@@ -91,12 +91,12 @@ class TrialOutcome:
 
     @property
     def correct(self) -> bool | None:
-        """True if the answer is right, None if invalid or not scorable."""
+        """True if the answer is right, None if it is invalid or cannot be scored."""
         return self.replies[0].correct if self.valid else None
 
     @property
     def invalid_reason(self) -> Reason | None:
-        """Reason of the first touch or answer that does not count."""
+        """Reason why the first touch or answer does not count, or None."""
         return next((each.invalid_reason for each in self._parts if not each.valid), None)
 
     @property
@@ -116,7 +116,7 @@ TrialCourse = Course[TrialOutcome]
 
 @runtime_checkable
 class Task(Protocol):
-    """A task, with the course of one trial."""
+    """Task, with the course of one trial."""
 
     @property
     def name(self) -> str: ...
@@ -129,9 +129,9 @@ class Task(Protocol):
 @dataclass(frozen=True)
 @constrained
 class AgainstStandard(Task):
-    """A task that compares a level with a standard.
+    """Task that compares a level with a standard.
 
-    - `standard_level`: The level that every other level is compared with.
+    - `standard_level`: Level with which every other level is compared.
     """
 
     standard_level: Finite
@@ -146,7 +146,7 @@ class AgainstStandard(Task):
 
 @runtime_checkable
 class AsksForm(Protocol):
-    """A task that asks a questionnaire in each trial."""
+    """Task that asks a questionnaire in each trial."""
 
     @property
     def form(self) -> Questionnaire: ...
@@ -166,13 +166,15 @@ class Over:
 class TaskKind:
     """Properties of a task that a study needs before a session.
 
-    - `table`: What reads its own keys of the table `task`; `Over` for a task that chooses among `alternatives`.
-    - `example`: Keys that `table` takes, with levels from 0 to 40.
-    - `questions`: How a simulated participant answers each `Choose` of a trial, by its `question`.
-    - `made`: Makes the task of the table, and of a finder of questionnaires by name.
-    - `n_together`: Number of alternatives in a track, every choice of them one; None: all alternatives in one track.
-    - `own_levels`: Attributes that are levels which the task plays itself, besides those of the procedure.
-    - `check_levels`: Given the task and the lowest and highest level of the procedure, refuses levels it cannot take.
+    - `table`: Class that reads the task's keys in the table `task`. It is `Over` for a task that chooses among
+      `alternatives`.
+    - `example`: Example of keys for `table`, with levels from 0 to 40.
+    - `questions`: Decision rules of a simulated participant for each `Choose` of a trial, by its `question`.
+    - `made`: Function that creates the task from the table and a function that finds questionnaires by name.
+    - `n_together`: Number of alternatives in a track, with a track for every combination. None puts all alternatives
+      into one track.
+    - `own_levels`: Attributes with levels that the task plays in addition to those of the procedure.
+    - `check_levels`: Function of the task and the procedure's lowest and highest level that refuses unsuitable levels.
     """
 
     table: type

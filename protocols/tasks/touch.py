@@ -12,7 +12,7 @@ from tactometry.session.run import Course
 
 
 class Touch(Protocol):
-    """Conditions of a touch, which make the request of a stimulus."""
+    """Conditions of a touch, from which the request of a stimulus is created."""
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Play | Press | Slide: ...
 
@@ -29,16 +29,16 @@ def fair_tolerance(force_n: float) -> float:
 @dataclass(frozen=True)
 @constrained
 class GatedTouch:
-    """A finger that presses with a force.
+    """Finger that presses with a force.
 
-    The force is `force_n` within `tolerance` (relative; None: `fair_tolerance`) for `hold_s` until the stimulus begins,
-    at most `timeout_s` later, and while it lasts.
+    The force must be `force_n` within `tolerance` (relative; None: `fair_tolerance`) for `hold_s` before the stimulus
+    begins, and while the stimulus plays. The wait for the stimulus lasts at most `timeout_s`.
 
-    - `duration_s`: How long it lasts, which is that of the stimulus.
-    - `force_n`: The force that is asked for.
-    - `hold_s`: How long the force must be held before the stimulus begins.
-    - `timeout_s`: A touch that has not begun after this time does not count.
-    - `tolerance`: How far the force may be off, relative; by default 0.2, below 0.5 N 0.3.
+    - `duration_s`: Duration of the stimulus.
+    - `force_n`: Force that the participant is asked to apply.
+    - `hold_s`: Duration for which the force must be held before the stimulus begins.
+    - `timeout_s`: Time limit for the stimulus to begin. A later touch does not count.
+    - `tolerance`: Largest relative deviation of the force. The default is 0.2, and 0.3 below 0.5 N.
     """
 
     duration_s: Positive
@@ -48,7 +48,7 @@ class GatedTouch:
     tolerance: Positive | None = None
 
     def __post_init__(self) -> None:
-        longest = f"less than timeout_s ({self.timeout_s:g} s): no touch could ever begin"
+        longest = f"less than timeout_s ({self.timeout_s:g} s), as no touch could begin otherwise"
         expect(self.hold_s < self.timeout_s, f"{type(self).__name__}.hold_s", f"{self.hold_s:g} s", longest)
 
     @property
@@ -58,13 +58,13 @@ class GatedTouch:
 
     @property
     def _gate(self) -> tuple[float, float, float, float, float]:
-        """Conditions in the order of a request."""
+        """Return the conditions in the argument order of a request."""
         return self.duration_s, self.force_n, self.gate_tolerance, self.hold_s, self.timeout_s
 
 
 @dataclass(frozen=True)
 class Pressing(GatedTouch):
-    """A finger that rests."""
+    """Finger that rests."""
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Press:
         return Press(stimulus, level, *self._gate, interval)
@@ -72,13 +72,14 @@ class Pressing(GatedTouch):
 
 @dataclass(frozen=True)
 class Sliding(GatedTouch):
-    """A finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
+    """Finger that follows a cursor.
 
-    The speed is gated within `speed_tolerance` (relative; None: not gated).
+    The cursor moves out and back over `length_m` at `speed_m_per_s`. The speed is gated within `speed_tolerance`
+    (relative; None: not gated).
 
-    - `speed_m_per_s`: The speed that is asked for.
+    - `speed_m_per_s`: Speed that the participant is asked to keep.
     - `length_m`: Length of the path, out and back.
-    - `speed_tolerance`: How far the speed may be off, relative; without it the speed is not gated.
+    - `speed_tolerance`: Largest relative deviation of the speed. Without it the speed is not gated.
     """
 
     speed_m_per_s: Positive = field(kw_only=True)

@@ -13,7 +13,7 @@ from .task import Presentation, Task, TaskKind, TrialCourse, TrialOutcome
 
 @dataclass(frozen=True)
 class YesNo(Task):
-    """One stimulus or none, then: was it felt? Green and Swets, Signal Detection Theory and Psychophysics (1966)."""
+    """One stimulus or none ("did you feel it?"). Green and Swets, Signal Detection Theory and Psychophysics (1966)."""
 
     name = "yes_no"
     takes_catch_trials = True

@@ -1,4 +1,4 @@
-"""Rules of annotations: a test of a value and its description."""
+"""Rules for annotations: a test of a value and its description."""
 
 import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -35,13 +35,13 @@ SHORT = 2**14
 
 @dataclass(frozen=True)
 class AnnotationRule:
-    """A test of a value and its description.
+    """Test of a value, and its description.
 
-    - `part`: Rule of the parts of a container.
-    - `good`: Elementwise test of the numbers of an array.
+    - `part`: Rule for the items of a container.
+    - `good`: Elementwise test for the numbers of an array.
     - `choices`: Allowed texts.
     - `dtype`: Type of the array.
-    - `demand`: Check of the sign, which names the place of the value.
+    - `demand`: Check of the sign, which names the place of the value in its error.
     """
 
     fits: Test
@@ -54,7 +54,7 @@ class AnnotationRule:
 
 
 class Bounds(NamedTuple):
-    """Tests of numbers that go up to `high`, or to infinity if `unbounded`."""
+    """Tests of numbers up to `high`, or up to infinity if `unbounded`."""
 
     high: float
     unbounded: bool = False
@@ -77,7 +77,7 @@ class Bounds(NamedTuple):
 
 @functools.cache
 def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
-    """Return the rule of an annotation, for numbers up to `high`.
+    """Return the rule for an annotation, for numbers up to `high`.
 
     >>> rule_of(Sequence[float], 1e9).words
     'a list, each of it a finite number'
@@ -107,7 +107,7 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
 
 
 def parts_of(value: Any) -> Iterable[tuple[Any, Any]]:
-    """Return each part of a mapping or sequence, with its place."""
+    """Return each item of a mapping or sequence, with its place."""
     if isinstance(value, Mapping):
         return value.items()
     return enumerate(value) if _is_listed(value) else ()
@@ -132,7 +132,7 @@ def _of_numbers(hint: Any, bounds: Bounds) -> AnnotationRule:
 
 
 def _all_within(found: NDArray[Any], high: float) -> bool:
-    """Test an array, without a copy if it is long. NaN fails."""
+    """Test all values of an array, without copying a long one. NaN fails."""
     if found.size <= SHORT:
         return bool(np.abs(found).max(initial=0.0) <= high)
     if found.dtype.kind == "c":
@@ -153,7 +153,7 @@ def _annotated(hint: Any, high: float) -> AnnotationRule:
 
 
 def _either(rules: Sequence[AnnotationRule]) -> AnnotationRule:
-    """Combine rules. The first with parts or numbers supplies them."""
+    """Combine rules. The first rule with items or numbers supplies them."""
     tests = [rule.fits for rule in rules]
     firsts = {name: next(filter(None, (getattr(rule, name) for rule in rules)), None) for name in _OF_FIRST}
     choices = tuple(choice for rule in rules for choice in rule.choices)
@@ -170,7 +170,7 @@ def _row(rules: Sequence[AnnotationRule]) -> AnnotationRule:
 
 
 def _each(rule: AnnotationRule, bounds: Bounds | None) -> AnnotationRule:
-    """Return the rule of a list. Many numbers are tested as an array."""
+    """Return the rule for a list. Long lists of numbers are tested as an array."""
     words = f"a list, each of it {rule.words}"
     if bounds is None:
         return AnnotationRule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
@@ -179,7 +179,7 @@ def _each(rule: AnnotationRule, bounds: Bounds | None) -> AnnotationRule:
 
 
 def _of_class(kind: type) -> AnnotationRule:
-    """Return the rule of a class, which remembers types that passed."""
+    """Return the rule for a class, which caches types that passed."""
     known: set[type] = set()
 
     def fits(value: Any) -> bool:

@@ -20,9 +20,10 @@ T = TypeVar("T", bound=Callable[..., Any])
 def checked(thing: T) -> T:
     """Make a function, or a class with its methods, check its arguments.
 
-    A number is finite and within the domain of its name (`magnitudes`), never a truth value. An `Unbounded` number may
-    be infinite, and a `Positive` one is above 0. A list becomes an array where an array is annotated. An array may have
-    any dimensions, a `Vector` one and at least one number, a `Matrix` two.
+    A number must be finite and within the domain of its name (`magnitudes`). It must not be True or False. An
+    `Unbounded` number may be infinite, and a `Positive` number is above 0. Where an array is annotated, a list becomes
+    an array. An array may have any number of dimensions. A `Vector` has one dimension and at least one number, a
+    `Matrix` two dimensions.
 
     >>> @checked
     ... def twice(length_m: float) -> float:
@@ -86,7 +87,7 @@ def _as_array(rule: AnnotationRule | None, value: Any) -> Any:
 
 
 def _refusal(where: str, value: Any, rule: AnnotationRule) -> InvalidParameter:
-    """Name the first wrong part of a sequence, a mapping or an array."""
+    """Describe the first wrong part of a sequence, a mapping or an array."""
     if rule.part is not None:
         for place, part in parts_of(value):
             if not rule.part.fits(part):

@@ -32,7 +32,8 @@ Rate = Annotated[float, Interval(ge=0, lt=1)]
 class NumberRange:
     """Numbers that a constraint allows, with their description.
 
-    Above `floor`, a refused number has the wrong size: `sized` describes it; otherwise `expected` does.
+    `sized` is the description in errors on numbers above `floor`, whose magnitude is wrong. For other numbers it is
+    `expected`.
     """
 
     low: float
@@ -52,9 +53,9 @@ class NumberRange:
 
 
 def number_range(limits: Interval, name: str, whole: bool = False) -> NumberRange:
-    """Return the numbers within `limits`, bounded by the unit in `name`.
+    """Return the numbers within `limits` and within the domain of `name`.
 
-    The limits of a real number are none, a lower bound of 0, or a bound on each side.
+    A real number may have no limits, a lower bound of 0, or a bound on each side.
 
     >>> number_range(Interval(gt=0), "Sine.frequency_hz").expected
     'a finite number above 0'
@@ -93,7 +94,7 @@ def ranges(limits: Interval, whole: bool = False) -> Callable[[str], NumberRange
 
 
 def constrained(kind: type[T]) -> type[T]:
-    """Check the constraints of fields before ``__post_init__``.
+    """Check the constraints of the fields before ``__post_init__``.
 
     >>> @dataclass(frozen=True)
     ... @constrained
@@ -120,7 +121,7 @@ def constrained(kind: type[T]) -> type[T]:
 def check_of(hint: Any) -> Check | None:
     """Return the check of a constraint, or None if there is none.
 
-    In a union, a value of another class (None, "unlimited") meets the constraint. A constraint on the items of a tuple
+    In a union, a value of another type (None, "unlimited") is valid. A constraint on the items of a tuple
     or dict applies to each item.
     """
     origin, inner = get_origin(hint), get_args(hint)
@@ -140,7 +141,7 @@ def check_of(hint: Any) -> Check | None:
 
 
 def limits_of(hint: Any) -> Interval | None:
-    """Return the bounds that the notes of an annotation state, or None."""
+    """Return the bounds stated in the metadata of an annotation, or None."""
     notes = [part for note in hint.__metadata__ for part in (note if isinstance(note, Interval) else (note,))]
     bounds = {name: getattr(note, name) for note in notes for name in ("gt", "ge", "lt", "le") if hasattr(note, name)}
     return Interval(**bounds) if bounds or hint == Finite else None

@@ -1,7 +1,7 @@
-"""Smallest and largest magnitudes by the unit that ends a name.
+"""Smallest and largest magnitudes by the unit at the end of a name.
 
-A number that is not 0 and lies outside is probably in the wrong unit. Squares and quotients of numbers inside stay
-within the range of a double.
+A nonzero number outside this range is probably in the wrong unit. Squares and quotients of numbers inside the range can
+be represented as a double.
 """
 
 from collections.abc import Mapping
@@ -30,10 +30,10 @@ DOMAINS: Mapping[str, tuple[float, float]] = {
     "_share": (0.0, 1e30),
     "_per_v2": (0.0, 1e100),
 }
-"""Smallest nonzero and largest magnitude by unit suffix, in that unit; the longest matching suffix applies."""
+"""Smallest nonzero and largest magnitude by unit suffix, in that unit. The longest matching suffix applies."""
 
 ANY = (1e-30, 1e30)
-"""Domain of numbers without a unit, or with a unit not listed above."""
+"""Range of numbers without a unit, or with a unit not listed above."""
 
 LARGEST_COUNT = 2**31
 
@@ -42,7 +42,7 @@ TINY = 5e-324
 
 @lru_cache(maxsize=4096)
 def domain(name: str) -> tuple[float, float]:
-    """Return the smallest (0 aside) and largest magnitude that a name allows.
+    """Return the smallest nonzero and the largest magnitude that a name allows.
 
     >>> domain("Sine.frequency_hz"), domain("level")
     ((1e-12, 1e+18), (1e-30, 1e+30))

@@ -1,7 +1,8 @@
 """Checks of arguments, whose errors state place and expected value.
 
-Functions for numbers take them by name after their owner; the unit in a name sets the allowed magnitude (`magnitudes`).
-Functions for a single value or an array take the place that opens the message, then the value.
+Functions for numbers accept the owner and then the numbers as keyword arguments, whose names contain the unit and so
+the allowed magnitude (`magnitudes`). Functions for a single value or an array accept the place at the beginning of the
+message, then the value.
 """
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
@@ -41,12 +42,12 @@ def expect(
 
 
 def finite(owner: str, /, **values: object) -> None:
-    """Require finite numbers, none larger than its unit allows."""
+    """Require finite numbers whose magnitudes their units allow."""
     _within(_FINITE, owner, values)
 
 
 def positive(owner: str, /, **values: object) -> None:
-    """Require finite numbers above 0 of a magnitude that their units allow.
+    """Require finite numbers above 0 whose magnitudes their units allow.
 
     >>> positive("Sine", frequency_hz=-3)
     Traceback (most recent call last):
@@ -56,7 +57,7 @@ def positive(owner: str, /, **values: object) -> None:
 
 
 def not_negative(owner: str, /, **values: object) -> None:
-    """Require 0, or numbers as `positive` does."""
+    """Require 0, or numbers that `positive` allows."""
     _within(_NOT_NEGATIVE, owner, values)
 
 
@@ -71,7 +72,7 @@ def between(owner: str, low: float, high: float, /, **values: object) -> None:
 
 
 def below_1(owner: str, /, **values: object) -> None:
-    """Require rates or coefficients of variation: from 0 to below 1."""
+    """Require rates or coefficients of variation, from 0 to below 1."""
     _within(_RATE, owner, values)
 
 
@@ -81,8 +82,8 @@ def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST
 
 
 def not_zero(owner: str, /, **values: object) -> None:
-    """Require finite numbers other than 0."""
-    _each(owner, values, lambda value: is_number(value) and value != 0, "a finite number but 0")
+    """Require finite nonzero numbers."""
+    _each(owner, values, lambda value: is_number(value) and value != 0, "a finite nonzero number")
     finite(owner, **values)  # its magnitude
 
 
@@ -93,7 +94,7 @@ def below(owner: str, /, **values: float) -> None:
 
 
 def at_most(where: str, found: float, highest: float) -> None:
-    """Require a number that is not above `highest`."""
+    """Require a number of at most `highest`."""
     expect(found <= highest, where, f"{found:.6g}", f"at most {highest:.6g}")
 
 
@@ -115,14 +116,14 @@ def without_none(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def one_of(where: str, found: object, choices: Iterable[object]) -> None:
-    """Require one of `choices`, texts or numbers. True is not 1."""
+    """Require one of `choices`, texts or numbers. True does not equal 1."""
     choices = tuple(choices)
     if isinstance(found, bool) or not isinstance(found, str | Real) or found not in choices:
         raise _no_choice(where, found, choices)
 
 
 def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
-    """Return the choice of this name."""
+    """Return the item of this name."""
     if isinstance(name, str) and name in choices:
         return choices[name]
     raise _no_choice(where, name, choices)
@@ -134,7 +135,7 @@ def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
 
 
 def first_repeat(values: Iterable[Hashable]) -> int | None:
-    """Return the index of the first value that occurred before, or None.
+    """Return the index of the first repeated value, or None.
 
     >>> first_repeat((3.0, 1, 3)), first_repeat("abc")
     (2, None)
@@ -166,7 +167,7 @@ def numbers(where: str, found: object) -> None:
 
 
 def as_array(values: Any) -> NDArray[Any] | None:
-    """Return the array that values make, or None."""
+    """Convert values to an array, or return None if that is impossible."""
     try:
         return np.asarray(values)
     except (TypeError, ValueError):
@@ -196,7 +197,7 @@ def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> 
 
 
 def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
-    """Return an array of numbers of at least 0, as `positive_array` does."""
+    """Return an array of numbers of at least 0, like `positive_array`."""
     high = domain(where)[1]
     allowed = replace(_NOT_NEGATIVE(where), low=0.0, sized=size_words(0.0, high))
     return _array_within(where, values, replace(allowed, high=inf) if infinite else allowed)
@@ -213,7 +214,7 @@ def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """Return a row of at least two finite, ascending numbers."""
     found = finite_array(where, values)
     rises = found.ndim == 1 and len(found) >= 2 and (np.diff(found) > 0).all()
-    expect(rises, where, f"shape {found.shape} not ascending", "two or more ascending numbers")
+    expect(rises, where, f"shape {found.shape} not in ascending order", "two or more ascending numbers")
     return found
 
 
@@ -226,7 +227,7 @@ def shape(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
 
 
 def in_range(where: str, result: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a result, or raise if a double cannot represent it."""
+    """Return a result, or raise an error if a double cannot represent it."""
     beyond = "a result beyond the range of a double"
     expect(np.isfinite(result).all(), where, beyond, "arguments of smaller magnitude")
     return result

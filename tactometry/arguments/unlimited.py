@@ -20,7 +20,7 @@ HIGHEST: Final[Mapping[str, float]] = {
     "stop_within_s": 1.0,
     "max_age_days": 3650,
 }
-"""Plausible upper bounds by key: a larger number limits nothing (unverified defaults)."""
+"""Plausible upper bounds by key. A larger number would not limit anything (unverified defaults)."""
 
 
 class Unlimited(float):
@@ -43,7 +43,7 @@ UNLIMITED: Final = Unlimited()
 
 
 def check_highest(path: str, value: float) -> None:
-    """Refuse a limit of a file above its plausible upper bound.
+    """Refuse a limit in a file above its plausible upper bound.
 
     >>> check_highest("limits.force_peak_n", 1e9)
     Traceback (most recent call last):

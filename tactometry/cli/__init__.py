@@ -1,4 +1,4 @@
-"""The command line: a table of commands, each imported when it is called."""
+"""Command line: a table of commands, each imported when it is called."""
 
 import signal
 import sys
@@ -53,7 +53,7 @@ COMMANDS = {name: entry for group in GROUPS.values() for name, entry in group.it
 
 
 class Commands(click.Group):
-    """Commands of the table. `--help` imports none of them."""
+    """Group of the commands in the table. `--help` imports none of them."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
@@ -85,11 +85,11 @@ def tactometry() -> None:
 
 
 _ENDING = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
-"""Signals that end a command cleanly. A closed terminal counts, except under nohup."""
+"""Signals that end a command cleanly. This includes a closed terminal, except under nohup."""
 
 
 MOST_MISTAKES = 20
-"""Largest number of mistakes printed for one file."""
+"""Largest number of errors printed for one file."""
 _IS_SAFE = "recorded data are safe"
 _HOW_TO_CONTINUE = {
     **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: continue with --resume"),
@@ -121,16 +121,16 @@ def main(arguments: list[str] | None = None) -> None:
         for part in parts[:MOST_MISTAKES]:
             status = _complain(f"{part}{more(part)}", error.exit_status)
         if len(parts) > MOST_MISTAKES:
-            status = _complain(f"found {len(parts) - MOST_MISTAKES} more mistakes", error.exit_status)
+            status = _complain(f"found {len(parts) - MOST_MISTAKES} more errors", error.exit_status)
     except BrokenPipeError:
         sys.stderr.close()
         status = 0
     except OSError as error:
         if error.filename is None:
             raise
-        status = _complain(f"{error.filename}: cannot be used ({error.strerror}), expected a file or folder to use", 2)
+        status = _complain(f"{error.filename}: cannot be used ({error.strerror}), expected a usable file or folder", 2)
     except MemoryError:
-        status = _complain("found too little memory for this request, expected a smaller one", 2)
+        status = _complain("found too little memory for this request, expected a smaller request", 2)
     sys.exit(status or 0)
 
 

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 @subcommand("analyse demo --report demo/report.html")
 @data_argument
-@path_option("--report", metavar="FILE.html", help="Write a report and its tables.")
-@click.option("--pdf", is_flag=True, help="Write the report as a PDF too.")
-@click.option("--within", metavar="A,B", help="Factors, '' for none; default: columns between trial and procedure.")
+@path_option("--report", metavar="FILE.html", help="Write a report (HTML) and its tables.")
+@click.option("--pdf", is_flag=True, help="Also write the report as a PDF.")
+@click.option("--within", metavar="A,B", help="Factors, or '' for none; default: columns between trial and procedure.")
 @path_option("--columns", metavar="MAP.toml", help="Column map of a table that Tactometry did not write.")
 @click.option(
     "--level-scale",
@@ -69,7 +69,7 @@ def command(
 
 
 def summary_text(analysis: "Analysis") -> str:
-    """Return warnings, group tables and analyses of variance for a terminal."""
+    """Return warnings, group tables and ANOVA tables for a terminal."""
     from rich.console import Console
 
     from tactometry.analysis.report.terminal import tables

@@ -61,7 +61,7 @@ residual_option = click.option(
     "--residual-at-most",
     type=click.FloatRange(0, 1, min_open=True),
     default=calibration.RESIDUAL_AT_MOST,
-    help="Largest residual of the fit, relative to the voltage or to the largest force.",
+    help="Largest accepted residual of the fit, relative to the voltage or to the largest force.",
 )
 TODAY = date.today
 
@@ -92,13 +92,14 @@ def gain(
     """Measure the output gain with sines of 100 Hz on every channel.
 
     Enter the peak voltage at the load after each tone. The limits and the gain of the bench file apply during playback.
-    Before the first measurement, state the gain of the data sheets. With --measured-v nothing is played.
+    Before the first measurement, state the gain of the data sheets in the bench file. With --measured-v nothing is
+    played.
     """
     bench = load_bench(bench_path)
     before = required_gain(bench.output.gain, "output.gain")
     new = measured_anew(before, bench.output.settings.chain(), TODAY(), by)
     for share in parts:
-        expect(0 < share <= 1, "--parts", f"{share:g}", "parts of full scale, above 0 and at most 1")
+        expect(0 < share <= 1, "--parts", f"{share:g}", "fractions of full scale, above 0 and at most 1")
     volts = measured_v or list(_play_and_ask_v(bench, new, parts, tone_s))
     fit = calibration.fit_gain(parts, volts, residual_at_most=residual_at_most)
     values = vars(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
@@ -192,8 +193,8 @@ def display(bar_m: float | None, bench_path: Path | None, *, write: bool) -> Non
     The screen shows the bar until you press a key. Then enter its length. The bar is half as high as the screen. With
     --bar-m no window is opened.
     """
-    expect(bench_path is not None or not write, "--write", "no bench file", "--bench with the file to write")
-    screen = load_bench(bench_path).screen  # report its errors before measuring
+    expect(bench_path is not None or not write, "--write", "no bench file", "--bench FILE, the file to write")
+    screen = load_bench(bench_path).screen  # report errors of the file before measuring
     found = {"height_m": calibration.display_height_m(_ask_bar_m(screen.screen) if bar_m is None else bar_m)}
     _tell("screen", found, [], found, bench_path, write=write)
 
@@ -210,16 +211,20 @@ def _ask_bar_m(screen: int) -> float:
 @subcommand("calibrate responses --bench bench.toml --by ZG --sensor vibrometer ...", command)
 @bench_option
 @by_option
-@click.option("--sensor", required=True, help="Sensor of the bench file that records.")
+@click.option("--sensor", required=True, help="Sensor of the bench file that records the responses.")
 @click.option("--channel", type=int, default=0, help="Channel of the vibrometer or accelerometer.")
 @click.option("--reference", type=int, default=1, help="Channel that records the drive.")
-@click.option("--reference-output", type=int, help="Output channel that carries the drive to the reference.")
+@click.option("--reference-output", type=int, help="Output channel that is connected to the reference.")
 @click.option("--units-per-count", type=float, required=True, help="m, m/s or m/s^2 per count.")
 @click.option("--volts-per-count", type=float, required=True, help="V at the load per count of the reference channel.")
 @click.option("--quantity", type=click.Choice(["displacement", "velocity", "acceleration"]), default="velocity")
 @click.option("--voltage-v", type=float, required=True, help="Peak voltage of the excitation.")
 @click.option(
-    "--band-hz", nargs=2, type=float, default=(15e3, 70e3), help="Band of the responses; a sweep exceeds it by a fifth."
+    "--band-hz",
+    nargs=2,
+    type=float,
+    default=(15e3, 70e3),
+    help="Band of the responses, Hz; a sweep exceeds it by a fifth.",
 )
 @click.option("--sweep-s", type=float, default=0.2, help="Duration of the sweep, s.")
 @click.option("--sequence-order", type=int, help="Play a maximum-length sequence of this order instead.")
@@ -229,7 +234,7 @@ def _ask_bar_m(screen: int) -> float:
     "--repeatability-at-least",
     type=click.FloatRange(0, 1),
     default=REPEATABILITY,
-    help="Smallest repeatability of a channel: remaining part of a focus between two responses.",
+    help="Smallest accepted repeatability of a channel: the part of a focus that two of its responses share.",
 )
 @path_option("--out", required=True, help="NPZ file to write.")
 @figure_option("Write response and spectra as PNG, PDF or SVG.")
@@ -243,7 +248,7 @@ def responses(**asked: Any) -> None:
     """
     out = asked["out"]
     in_place = out.suffix == ".npz" and out.parent.is_dir()
-    expect(in_place, "--out", repr(str(out)), "a name that ends in .npz, in a folder that exists")
+    expect(in_place, "--out", repr(str(out)), "a name that ends in .npz, in an existing folder")
     bench = load_bench(asked["bench_path"])
     one_of("--sensor", asked["sensor"], bench.sensors)
     devices = _devices(bench)
@@ -251,7 +256,7 @@ def responses(**asked: Any) -> None:
     learning = _learning(asked, devices.output.driver.n_channels or 1, reader.source.rate_hz)
     # confirmed last, because no force gate stops a sweep
     if bench.output.settings.connected and not (asked["hands_off"] or hands_are_off()):
-        raise InvalidParameter("--hands-off: found no confirmation, expected it before a sweep; nothing was played")
+        raise InvalidParameter("--hands-off: found no confirmation, expected one before a sweep; nothing was played")
     heard = _learn(learning, devices.output, reader, asked)
     learnt, qualities = join([each.mean for each, _ in heard]), [found for _, found in heard]
     responses = as_displacement(learnt, *asked["band_hz"])
@@ -283,7 +288,7 @@ def _tell(
     *,
     write: bool,
 ) -> None:
-    """Print a table of the bench file as measured, and write it on request."""
+    """Print the measured table of the bench file, and write it on request."""
     stated = {} if bench_path is None else stated_in(bench_path, name)
     lines = [table_toml(name, {**stated, **values}), *(f"# {remark}\n" for remark in remarks)]
     written = None
@@ -297,14 +302,14 @@ def _tell(
 
 
 def _devices(bench: BenchFile) -> Devices:
-    """Return the devices of an untouched bench within its limits."""
+    """Return the devices of a bench without a participant, within its limits."""
     if bench.limits is None:
-        raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
+        raise InvalidParameter("limits: found none in the bench file, expected limits of the load; nothing was played")
     return bench.devices(bench.limits, TODAY(), touched=False)
 
 
 def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> Learning:
-    """Return the excitation and its channels: a sweep or a sequence."""
+    """Return the excitation, a sweep or a sequence, and its channels."""
     low_hz, high_hz = asked["band_hz"]
     half = f"at most {rate_hz / 2:g} Hz, half the rate of {asked['sensor']!r}"
     expect(high_hz <= rate_hz / 2, "--band-hz", f"up to {high_hz:g} Hz", half)

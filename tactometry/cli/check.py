@@ -23,7 +23,7 @@ from .output import (
 )
 
 LONGEST_CELL = 50
-"""Longer sentences are printed below the table, whose cells wrap on a narrow terminal."""
+"""Longer texts are printed below the table, whose cells wrap on a narrow terminal."""
 MARKS = {True: "ok", False: "FAILED", None: ""}
 
 
@@ -36,8 +36,8 @@ MARKS = {True: "ok", False: "FAILED", None: ""}
 def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off: bool, allow_code: bool) -> int:
     """Check computer, disk, display, sensors and output for STUDY.
 
-    The tone has a tenth of the voltage limit. An output with an amplifier plays it only after --hands-off or your
-    confirmation at the terminal. Exit status 1 if a check fails, 3 if a device fails.
+    The test tone has a tenth of the voltage limit. An output with an amplifier plays the tone only after --hands-off or
+    your confirmation at the terminal. Exit status 1 if a check fails, 3 if a device fails.
     """
     bench = load_bench(bench_path)
     sure = hands_off or (bench.output.settings.connected and hands_are_off())

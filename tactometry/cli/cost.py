@@ -21,7 +21,7 @@ from .output import path_option, progress, say, subcommand
 @click.argument("problem", metavar="PROBLEM|all")
 @path_option("--out", help="Folder for a CSV of all points and a figure per problem.")
 @path_option("--page", help="Write a page (Markdown) with tables and figures.")
-@click.option("--rounds", default=5, type=click.IntRange(1), help="Warm calls of each setting.")
+@click.option("--rounds", default=5, type=click.IntRange(1), help="Number of timed calls per setting, after the first.")
 def command(*, problem: str, out: Path | None, page: Path | None, rounds: int) -> None:
     """Measure error, time and memory, and find the cheapest settings.
 

@@ -29,7 +29,7 @@ def replay(path: Path) -> None:
     replayed = replay_data_set(path)
     lines: list[str] = []
     for session in replayed:
-        unfinished = "" if session.complete else ", session not finished"
+        unfinished = "" if session.complete else ", but the session is not finished"
         lines.append(f"{session.journal}: {count_of(session.n_trials, 'row')} agree{unfinished}")
         lines += [f"{session.journal}: {change}" for change in session.changes]
     say("\n".join(lines), [asdict(session) for session in replayed])
@@ -56,7 +56,7 @@ def validate(path: Path) -> int:
 def rebuild(path: Path) -> None:
     """Rebuild trials, events and descriptions of PATH from its journals.
 
-    A trials file with rows that its journal lacks is reported and not changed.
+    A trials file with rows that are not in its journal is reported and not changed.
     """
     from tactometry.experiments.data_sets.replaying import rebuild_data_set
 
@@ -94,7 +94,7 @@ def erase(path: Path, participant: str, *, yes: bool, dry_run: bool) -> int:
     """Erase the data of one participant from the data set PATH.
 
     The erasure is recorded in erasures.jsonl. Sessions, traces, reports, figures and exports within PATH are erased.
-    Files of other participants are not changed. Files that Tactometry did not write are kept and listed for you to
+    Files of other participants are not changed. Files that Tactometry did not write are kept, and listed for you to
     check. If the command is interrupted, run it again. Exit status 1 if you do not confirm.
     """
     from tactometry.experiments.data_sets import erasing
@@ -128,7 +128,7 @@ def _text(path: Path, found: "Erased", *, dry_run: bool) -> Iterator[str]:
     files = count_of(len(found.own), "file")
     yield f"{path}: {did} {found.participant}, {count_of(found.n_sessions, 'session')} in {files}"
     if found.derived:
-        yield f"derived from several participants, {did} too; recreate them with analyse, show and export:"
+        yield f"{did} these files of several participants; recreate them with analyse, show and export:"
         yield from (f"  {name}" for name in found.derived)
     if found.others:
         yield "not searched; check whether these files name the participant, and edit or remove them:"

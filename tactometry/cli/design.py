@@ -27,7 +27,7 @@ from .output import figure_option, path_option, say, subcommand, writing
 @click.option(
     "--thickness-m", type=float, multiple=True, help="Available thickness, m; may be repeated; default: glass as sold."
 )
-@figure_option("Write the trade-offs as PNG, PDF or SVG, and those of thickness as NAME_thickness.")
+@figure_option("Write the trade-offs as PNG, PDF or SVG, and the trade-offs of thickness to NAME_thickness.")
 def command(
     *,
     plate_file: Path | None,
@@ -99,7 +99,7 @@ def _trade_off(best: Sheet, among: Sequence[Sheet]) -> Iterator[str]:
 
 
 def _bends(sheet: Sheet) -> str:
-    """Show the deflection, or that it exceeds the range of small deflections."""
+    """Format the deflection, or state that the law does not apply."""
     if sheet.bends_linearly:
         return f"{sheet.deflection_m * 1e6:.0f} um"
     return f"> {SMALL * sheet.thickness_m * 1e6:.0f} um"

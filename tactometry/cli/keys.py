@@ -60,7 +60,7 @@ def _shipped_texts() -> dict[str, str]:
 
 
 def hint_of_keys(error: BaseException | None) -> str:
-    """Return a hint on the keys of a table if a key is unknown or missing."""
+    """Return a hint to list the keys of a table if one is unknown or missing."""
     while error is not None and not isinstance(error, InvalidKey):
         error = error.__context__
     if error is None:

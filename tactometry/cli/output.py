@@ -75,13 +75,13 @@ allow_code_option: Callable[[F], F] = click.option(
     "--allow-code", is_flag=True, help="Run the code that STUDY names as module:Class, from a file next to it."
 )
 allow_erased_option: Callable[[F], F] = click.option(
-    "--allow-erased", is_flag=True, help="Record a participant again after an erasure."
+    "--allow-erased", is_flag=True, help="Allow new sessions of an erased participant."
 )
 data_argument: Callable[[F], F] = click.argument("path", type=click.Path(path_type=Path))
 
 
 def subcommand(example: str, group: click.Group | None = None) -> Callable[[Callable[..., Any]], click.Command]:
-    """Make a command with an example in its help and an option `--json`."""
+    """Create a command with an example in its help and the option `--json`."""
 
     def made_of(function: Callable[..., Any]) -> click.Command:
         made = click.command(epilog=f"Example: tactometry {example}")(function)
@@ -100,7 +100,7 @@ def say(text: str, value: object) -> None:
 
 
 def _finite(value: object) -> object:
-    """Replace numbers that are not finite by null, as JSON has none."""
+    """Replace numbers that are not finite by null, which JSON supports."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, Mapping):
@@ -109,22 +109,22 @@ def _finite(value: object) -> object:
 
 
 def drawn_seed(seed: int | None, *, resume: bool = False) -> int:
-    """Return the seed, or draw one and print it on standard error.
+    """Return the seed, or draw a seed and print it on standard error.
 
-    Raises `InvalidParameter` if a run is resumed without its seed.
+    Raises `InvalidParameter` if an interrupted run is continued without its seed.
     """
     if seed is not None:
         return seed
     if resume:
-        raise InvalidParameter("--seed: found none, expected the seed of the interrupted run, which it printed")
+        raise InvalidParameter("--seed: found none, expected the seed that the interrupted run printed")
     seed = secrets.randbelow(2**32)
     click.echo(f"seed: {seed} (repeat with this --seed)", err=True)
     return seed
 
 
 def writing(path: Path) -> AbstractContextManager[None]:
-    """Turn a failure to write a file into one sentence."""
-    return attempt(path, "cannot write", "a place to write to")
+    """Raise a short error if a file cannot be written."""
+    return attempt(path, "cannot write", "a writable place")
 
 
 def progress(items: Iterable[T], total: int, what: str) -> Iterator[T]:

@@ -29,13 +29,13 @@ from .output import STUDY, allow_code_option, drawn_seed, path_option, say, subc
     help="'force_n: 2 dB', '... 2 dB SL', '... 1 dB PSE', '... 20 % JND', 'pattern: P1 = 3 dB', 'button: 1 points'.",
 )
 @click.option("--participants", required=True, help="Numbers of participants: 6..24, 6..24:2 or 8,12,16.")
-@click.option("--trials", help="Trials per track, such as 40,60; default: that of the study.")
+@click.option("--trials", help="Trials per track, such as 40,60; default: the number of the study.")
 @click.option("--target", type=float, default=0.8, help="Target power.")
-@click.option("--seed", type=int, help="The same seed gives the same bytes; default: a new one, which is printed.")
+@click.option("--seed", type=int, help="Seed, which determines all results; default: a new one, which is printed.")
 @click.option("--alpha", type=float, default=0.05, help="Significance level.")
-@click.option("--precision", type=float, default=0.05, help="Half width of the power's 95 % interval.")
+@click.option("--precision", type=float, default=0.05, help="Half width of the 95 % confidence interval of the power.")
 @click.option("--most", type=int, default=1000, help="Largest number of simulated studies per design.")
-@click.option("--dropout", type=float, default=0.0, help="Share of participants who leave midway.")
+@click.option("--dropout", type=float, default=0.0, help="Fraction of participants who leave midway.")
 @click.option("--dependent", default="", show_default=False, help="Dependent variable, for tasks with several.")
 @path_option("--out", help="Folder for the tables (extra: power).")
 @click.option(

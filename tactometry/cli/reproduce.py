@@ -35,7 +35,7 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
 
 
 def _item_of(name: str) -> str:
-    """Return the item of a name or caption, or raise with the reason."""
+    """Return the item with this name or caption, or raise with the reason."""
     reason = reason_for(name)
     expect(reason is None, "NAME", name, f"an item that can be reproduced: this is {reason}")
     one_of("NAME", item_of(name), ("all", *REPRODUCTIONS))
@@ -53,7 +53,7 @@ def _write(reproduced: Reproduced, out: Path) -> None:
 
 
 def _text(made: list[Reproduced]) -> str:
-    """Format statements and results, and all numbers of a single item."""
+    """Format statements and results, and all numbers if there is one item."""
     lines = []
     for reproduced in made:
         numbers = reproduced.numbers if len(made) == 1 else reproduced.compared

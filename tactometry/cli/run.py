@@ -37,7 +37,7 @@ from .watch import watching
 @click.option("--resume", is_flag=True, help="Continue an interrupted session.")
 @allow_code_option
 @allow_erased_option
-@click.option("--watch", is_flag=True, help="Serve a page that follows the session, and print its address.")
+@click.option("--watch", is_flag=True, help="Serve a web page that follows the session, and print its address.")
 @click.option("--dry-run", is_flag=True, help="Check the session without its devices, and print its plan.")
 def command(
     *,
@@ -103,7 +103,7 @@ ENDINGS = {
     "censored_above": "censored above the levels",
     "censored_below": "censored below the levels",
 }
-"""Printed names of endings that differ from the recorded ones."""
+"""Printed names of endings that differ from the recorded names."""
 
 
 def _print_plan(experiment: Experiment, who: Who) -> None:
@@ -117,7 +117,7 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
         for block in blocks
     ]
     drawn = "random" in experiment.study.plan.orders and who.seed is None
-    notes = ["the order is random: this is the order of --seed 0"] if drawn else []
+    notes = ["the order is random; shown for --seed 0"] if drawn else []
     longest = f"at most {count_of(math.ceil(minutes), 'minute')}, without repeated trials"
     predicted = predict(experiment)
     plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}

@@ -18,7 +18,7 @@ from .output import SCENE, figure_option, path_option, say, subcommand, writing
 
 FILM_ACCURACY = 0.1
 LONG_S = 5.0
-"""Longer predicted times are printed before the computation."""
+"""Predicted time above which it is printed before the computation."""
 
 
 @subcommand("scene electrovibration-panel --explain")
@@ -41,7 +41,7 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         with errors_in(file):
             plan = scene_file.scene.resolve()
             given = plans.values_for(plan, scene_file.given)
-        # before the work begins, on standard error
+        # printed before the work begins, on standard error
         if plan.predicted_s > LONG_S:
             longest = max(plan.stages, key=predicted_s)
             click.echo(
@@ -71,28 +71,28 @@ def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) 
 
 
 def _figure(result: Result, title: str) -> Any:
-    """Draw a map with time courses, or time courses only."""
+    """Draw a map with time courses, or only time courses."""
     if {"x_m", "y_m", "field_m"} <= set(result.values):
         from tactometry.stimuli.scenes.figures.courses import focus_sheet
 
         return focus_sheet(result, title)
     neither = "neither 't_s' nor 'x_m', 'y_m' and 'field_m' among the outputs of the scene"
-    expect("t_s" in result.values, "--figure", neither, "one or the other; add it to outputs")
+    expect("t_s" in result.values, "--figure", neither, "'t_s', or 'x_m', 'y_m' and 'field_m'; add them to outputs")
     from tactometry.stimuli.scenes.figures.courses import courses, names
 
-    some = "at least one, such as 'friction_force_n' or 'focus_displacement_m'; add it to outputs"
+    some = "at least one course, such as 'friction_force_n' or 'focus_displacement_m'; add it to outputs"
     expect(bool(names(result.values)), "--figure", "no course over 't_s' in the outputs of the scene", some)
     return courses(result, title)
 
 
 def _film(scene_file: SceneFile, path: Path) -> None:
-    """Film the scene, no finer than a film shows."""
+    """Create a movie of the scene, no finer than its resolution."""
     from tactometry.stimuli.scenes.effects.movie import Movie
     from tactometry.stimuli.scenes.figures.courses import write_film
 
     scene = scene_file.scene
     still = f"a scene on {scene.surface.kind!r}, which has no wave"
-    expect(Movie.kind in scene.surface.effects, "--movie", still, "one on a plate: 'time_reversal' or 'hybrid'")
+    expect(Movie.kind in scene.surface.effects, "--movie", still, "a plate: 'time_reversal' or 'hybrid'")
     effects = scene.effects if scene.find("movie") else (*scene.effects, Movie())
     outputs = ("x_m", "y_m", "frames_s", "movie_m")
     filmed = replace(scene, effects=effects, outputs=outputs, accuracy=max(scene.accuracy, FILM_ACCURACY), settings={})

@@ -21,14 +21,14 @@ N_PARTICIPANTS = 10
 @subcommand("simulate tutorial --participants 5 --seed 1 --out simulated")
 @click.argument("study", type=STUDY)
 @click.option("--participants", "n_participants", type=int, required=True, help="Number of participants, from P01.")
-@click.option("--seed", type=int, help="The same seed gives the same bytes; default: a new one, which is printed.")
+@click.option("--seed", type=int, help="Seed, which determines all results; default: a new one, which is printed.")
 @path_option("--out", required=True, help="Folder of the data set.")
 @click.option("--resume", is_flag=True, help="Continue an interrupted simulation.")
 @click.option("--jobs", "n_jobs", type=int, default=1, help="Number of processes; -1 uses all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
 @allow_code_option
 @allow_erased_option
-@click.option("--explain", is_flag=True, help="Also print which effects can be felt and which were left out.")
+@click.option("--explain", is_flag=True, help="Also print which effects can be felt and which are not modelled.")
 def simulate(
     study: str,
     n_participants: int,
@@ -66,7 +66,7 @@ def simulate(
 
 
 def _predictions(experiment: Experiment, *, explain: bool) -> tuple[list[str], dict[str, Any]]:
-    """Return lines and JSON of weak conditions, or of all predictions."""
+    """Return text and JSON of weak conditions, or of all predictions."""
     if explain:
         from tactometry.experiments.study.felt_effects import predict
 
@@ -80,7 +80,7 @@ def _predictions(experiment: Experiment, *, explain: bool) -> tuple[list[str], d
 
 @subcommand("demo --out demo --seed 1")
 @path_option("--out", default=Path("demo"), help="Folder of the data set.")
-@click.option("--seed", type=click.IntRange(min=0), default=1, help="The same seed gives the same bytes.")
+@click.option("--seed", type=click.IntRange(min=0), default=1, help="Seed, which determines all results.")
 def demo(out: Path, seed: int) -> None:
     """Simulate a threshold study, analyse it and write the report."""
     from tactometry.analysis.pipeline import analyse

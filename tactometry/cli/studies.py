@@ -34,7 +34,7 @@ def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
         _say_studies()
         return
     if study is None:
-        raise InvalidParameter("STUDY: found none, expected the name of a study: tactometry new --list")
+        raise InvalidParameter("STUDY: found none, expected the name of a study; list them with tactometry new --list")
     _, content = load(study)
     if out == Path("-"):
         click.echo(content, nl=False)
@@ -44,9 +44,9 @@ def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
         with path.open("xb") as file:
             file.write(content)
     except FileExistsError:
-        raise InvalidFile(f"{path}: found a file, expected none to overwrite; give another --out") from None
+        raise InvalidFile(f"{path}: found an existing file, expected a new file; choose another --out") from None
     except (FileNotFoundError, NotADirectoryError):
-        raise InvalidFile(f"{path}: found no folder {path.parent}, expected one; create it first") from None
+        raise InvalidFile(f"{path}: found no folder {path.parent}, expected this folder; create it first") from None
     except OSError as error:
-        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a folder that can be written") from None
+        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a writable folder") from None
     say(f"wrote {path}; run it with: tactometry run {path} --participant P01", {"file": str(path)})

@@ -19,8 +19,10 @@ OR_WAIT = "or --wait to wait for it"
 
 @subcommand("watch pilot")
 @data_argument
-@click.option("--participant", help="Participant; default: that of the newest session.")
-@click.option("--session", "n_session", type=click.IntRange(1), help="Session of the participant; default: the newest.")
+@click.option("--participant", help="Participant; default: the participant of the newest session.")
+@click.option(
+    "--session", "n_session", type=click.IntRange(1), help="Session of the participant; default: the newest session."
+)
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Port on this computer; default: any free one.")
 @click.option("--wait", is_flag=True, help="Wait until PATH exists.")
 @click.option("--until-input-ends", is_flag=True, help="End when the standard input is closed.")
@@ -39,9 +41,9 @@ def command(
     expect(wait or path.is_dir(), path, "no folder", f"a data set, {OR_WAIT}", InvalidFile)
     watcher = Watcher(path, participant, n_session)
     expect(
-        wait or watcher.finds, path, "no journal of such a session", f"a session that has begun, {OR_WAIT}", InvalidFile
+        wait or watcher.finds, path, "no journal of this session", f"a session that has begun, {OR_WAIT}", InvalidFile
     )
-    with suppress(AttributeError, OSError):  # not available everywhere; a lower priority spares the session
+    with suppress(AttributeError, OSError):  # not available everywhere; a lower priority leaves the CPU to the session
         os.nice(NICENESS)
     serve(Scenery(watcher), port, lambda url: say(url, {"url": url}), sys.stdin.buffer if until_input_ends else None)
 
@@ -54,7 +56,7 @@ def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
     """
     session = ["--participant", participant, "--session", str(n_session)]
     command = [sys.executable, "-m", "tactometry", "watch", str(root), *session, "--wait", "--until-input-ends"]
-    # a separate process group, as Ctrl-C is for the watched session
+    # a separate process group, as Ctrl-C is for the followed session
     with subprocess.Popen(
         command,
         stdin=subprocess.PIPE,
@@ -67,8 +69,8 @@ def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
         url = page.stdout.readline().strip()
         if not url:
             _, said = page.communicate()
-            raise DeviceFailed(f"--watch: found no page ({' '.join(said.split())}), expected one; or leave it out")
+            raise DeviceFailed(f"--watch: found no page ({' '.join(said.split())}), expected a page; omit the option")
         try:
             yield url
         finally:
-            page.communicate()  # its input ends
+            page.communicate()  # the page ends when its input is closed

@@ -23,7 +23,7 @@ _COMPOUND = {
     "m": ("m", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}),
 }
 _RATIOS = {"_rad": "rad", "_db": "dB"}
-"""Ratios that a file states as plain numbers."""
+"""Units of ratios, which a file states as plain numbers."""
 GREEK_MU = ("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
 """Greek mu, and the micro sign that replaces it."""
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
@@ -41,7 +41,7 @@ def unit_suffix(name: str) -> str | None:
 
 
 def unit_in(name: str) -> str:
-    """Return the unit that a name ends with, or an empty text.
+    """Return the unit at the end of a name, or an empty text.
 
     >>> unit_in("force_n"), unit_in("moment_n_per_v"), unit_in("slope_hz_per_m_per_s"), unit_in("repeats")
     ('N', 'N/V', 'Hz/(m/s)', '')
@@ -67,7 +67,7 @@ def units(suffix: str) -> tuple[str, Mapping[str, float]]:
 
 
 def si_unit(unit: str, where: str) -> tuple[str, float]:
-    """Return the SI unit of a unit's dimension, and the factor to it.
+    """Return the SI unit with the dimension of a unit, and the factor to it.
 
     >>> si_unit("ms", "units"), si_unit("mV", "units"), si_unit("cm/s", "units")
     (('s', 0.001), ('V', 0.001), ('m/s', 0.01))
@@ -83,7 +83,7 @@ def si_unit(unit: str, where: str) -> tuple[str, float]:
 def si(text: str, suffix: str, where: str) -> float:
     """Convert a text such as "50 mm/s" to SI units.
 
-    Raises `InvalidParameter` if it is not a number with a unit of the right dimension.
+    Raises `InvalidParameter` if the text is not a number with a unit of the right dimension.
 
     >>> si("50 mm/s", "m_per_s", "speed_m_per_s")
     0.05
@@ -100,9 +100,9 @@ def si(text: str, suffix: str, where: str) -> float:
 
 
 def as_si(value: object, path: str, found: Gathered | None = None) -> Any:
-    """Convert strings below keys with a unit suffix to SI units.
+    """Convert strings of keys with a unit suffix to SI units.
 
-    "unlimited" stays as it is. With `found`, mistakes are collected there, and their values are NaN.
+    "unlimited" is not changed. With `found`, errors are collected there, and the affected values are NaN.
     """
     if isinstance(value, dict):
         return {key: as_si(item, f"{path}.{key}" if path else str(key), found) for key, item in value.items()}

@@ -18,7 +18,7 @@ from .toml import errors_in, read_table
 
 T = TypeVar("T")
 MOST_HINTS = 100
-"""Largest number of unknown keys of a table that get a hint, as each hint requires a search."""
+"""Largest number of unknown keys of a table that get a hint, because each hint requires a search."""
 K = TypeVar("K")
 _WORDS = {
     float: "a number",
@@ -34,8 +34,8 @@ _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 def build(kind: type[T], table: object, path: str, **given: object) -> T:
     """Build a `kind` from a table that does not contain the `given` fields.
 
-    Raises `InvalidParameter`, whose message starts with the key path, if a key is unknown, missing or of another type,
-    or `kind` refuses a value.
+    Raises `InvalidParameter` if a key is unknown, missing or of another type, or if `kind` refuses a value. The
+    message starts with the key path.
     """
     values = values_of(kind, table, path, given)
     try:
@@ -101,7 +101,7 @@ LOST_LEVEL: Final = "; remove the line if the study has no such level"
 
 
 class InvalidKey(InvalidParameter):
-    """An unknown or missing key of a table that `read_by` reads."""
+    """Unknown or missing key of a table that `read_by` reads."""
 
     def __init__(self, sentence: str, read_by: type | None = None) -> None:
         super().__init__(sentence)
@@ -119,8 +119,8 @@ def check_keys(
     """Refuse keys that are not among `names`, each with the nearest name.
 
     - `what`: Noun for the names.
-    - `cure`: What else the user may do.
-    - `read_by`: Class whose keys they are.
+    - `cure`: Another way to correct the file.
+    - `read_by`: Class whose fields are the keys.
     """
     found = Gathered()
     unknown = [key for key in table if key not in names]
@@ -141,7 +141,7 @@ def read_toml(kind: type[T], path: Path, what: str) -> T:
 def convert(kind: Any, value: object, path: str) -> Any:
     """Convert `value` to a plain type, a dataclass or a container of these.
 
-    Raises `InvalidParameter`, whose message starts with the key path, if it is of another type.
+    Raises `InvalidParameter` if the value is of another type. The message starts with the key path.
     """
     of_optional = [choice for choice in typing.get_args(kind) if dataclasses.is_dataclass(choice)]
     table_class = of_optional[0] if typing.get_origin(kind) is types.UnionType and of_optional else kind
@@ -190,7 +190,7 @@ def _limit(kind: Any, value: object, path: str) -> float | int:
 
 
 def fields_of(kind: type) -> dict[str, dataclasses.Field[Any]]:
-    """Return the fields of a class that a table of a file may set, by name."""
+    """Return the fields of a class that a table may set, by name."""
     fields = dataclasses.fields(kind)
     return {field.name: field for field in fields if field.init and field.name[0] != "_"}
 

@@ -14,7 +14,7 @@ from ..files.durable import read_file
 from ..files.json_file import levels
 
 LARGEST_FILE: Final = 1_000_000
-"""Largest size of a file, in bytes; about 25 000 lines."""
+"""Largest size of a file, in bytes, which is about 25 000 lines."""
 LONGEST_LIST, DEEPEST = 10_000, 30
 
 
@@ -24,9 +24,9 @@ def read_table(path: Path, what: str) -> dict[str, Any]:
 
 
 def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
-    """Parse the bytes of a TOML file. `where` opens each error message.
+    """Parse the bytes of a TOML file. `where` begins each error message.
 
-    Raises `InvalidFile` if they are not UTF-8 or TOML, or exceed `LARGEST_FILE`, `LONGEST_LIST` or `DEEPEST`.
+    Raises `InvalidFile` if the bytes are not UTF-8 or TOML, or exceed `LARGEST_FILE`, `LONGEST_LIST` or `DEEPEST`.
 
     >>> table_of(b"accuracy = 0.01", "s.toml", "a scene file")
     {'accuracy': 0.01}
@@ -48,7 +48,7 @@ def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
 
 
 def _declared_twice(text: str, damage: str) -> str:
-    """Return the lines of a table that begins twice, as tomllib names one."""
+    """Return an error with both lines of a table that is declared twice."""
     named = re.match(r"Cannot declare \((.*)\) twice", damage)
     if named is None:
         return ""
@@ -58,7 +58,7 @@ def _declared_twice(text: str, damage: str) -> str:
     ]
     if len(lines) < 2:
         return ""
-    return f"[{name}] in lines {' and '.join(lines)}, expected it once: join their keys"
+    return f"[{name}] in lines {' and '.join(lines)}, expected one table; join their keys"
 
 
 def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
@@ -100,6 +100,6 @@ def shipped_in(package: str) -> tuple[str, ...]:
 
 
 def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
-    """Load a TOML file of a package. `parse` gets bytes and error prefix."""
+    """Load a TOML file of a package. `parse` receives bytes and error prefix."""
     one_of(what, name, shipped_in(package))
     return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")

@@ -15,26 +15,27 @@ from ..errors import DeviceFailed, InvalidParameter
 
 BIN_S = 0.5
 N_BINS = 8
-"""Bins of the smallest delay, four seconds in all: a drift of 100 ppm adds 0.4 ms (unverified defaults)."""
+"""Bins in which the smallest delay is searched, four seconds in all. A drift of 100 ppm adds 0.4 ms (unverified
+defaults)."""
 RATE_TOLERANCE, SLOWEST = 0.02, 0.5
-"""Tolerated rate error of a device's clock; crystals are within 1e-4, ceramic resonators within 5e-3 (unverified
+"""Tolerated rate error of a device's clock. Crystals are within 1e-4, ceramic resonators within 5e-3 (unverified
 defaults)."""
 DRIFT = 5e-3
 """Largest growth of the smallest delay per second, s/s (unverified default)."""
 GAINED_S = 0.05
-"""A fast clock exceeds its earlier offset by this, s; late samples that catch up only return to it (unverified
-default)."""
+"""Lead over its earlier offset by which a clock counts as fast, s. Late samples that catch up only return to the
+earlier offset (unverified default)."""
 
 
 @dataclass(frozen=True)
 class ClockMap:
-    """Map from device seconds to ours, estimated from arrival times.
+    """Map from device time to local time, estimated from arrival times.
 
-    A sample never arrives before it was taken, so arrival minus device time is the clock difference plus a delay; its
-    smallest recent value estimates the difference. The smallest delay of the path remains unknown.
+    A sample never arrives before it was taken. So arrival time minus device time is the clock difference plus a delay,
+    and its smallest recent value estimates the difference. The smallest delay of the transfer remains unknown.
 
-    - `smallest_s`: The smallest difference in each of the last bins of `BIN_S`.
-    - `floor_s`: The smallest of earlier bins, raised by `DRIFT` since then.
+    - `smallest_s`: Smallest difference in each of the last bins of `BIN_S`.
+    - `floor_s`: Smallest difference in earlier bins, increased by `DRIFT` since then.
 
     >>> clocks = ClockMap()
     >>> for device_s, arrival_s in [(0.0, 10.25), (0.25, 10.375), (0.5, 10.75)]:
@@ -61,22 +62,22 @@ class ClockMap:
         if kept and kept[-1][0] == now:
             smallest_s = min(kept[-1][1], difference_s)
             return ClockMap((*kept[:-1], (now, smallest_s)), self.floor_s)
-        # a new bin: bins that leave the window count in the floor, which rises by `DRIFT`
+        # new bin: bins that leave the window enter the floor, which rises by `DRIFT`
         leaving_s = (smallest_s for n, smallest_s in self.smallest_s if n <= now - N_BINS)
         floor_s = min(self.floor_s + DRIFT * BIN_S, *leaving_s, math.inf)
         return ClockMap((*kept, (now, difference_s)), floor_s)
 
     def ours_s(self, device_s: float) -> float:
-        """Convert a device time to the local clock, after a first sample."""
+        """Convert a device time to local time, after the first sample."""
         if self.offset_s is None:
-            raise InvalidParameter("ClockMap: found no sample yet, expected one to relate the clocks")
+            raise InvalidParameter("ClockMap: found no sample yet, expected at least one sample")
         return device_s + self.offset_s
 
     def check(self, name: str) -> None:
         """Raise `DeviceFailed` if the device's clock has another rate.
 
-        The difference then falls from bin to bin, or rises by half of the time; one bin may deviate. A slower rise
-        means late samples, and a fall back to an earlier value means that late samples have caught up.
+        The difference then falls from bin to bin, or rises by more than half of the elapsed time. One bin may deviate.
+        A slower rise means late samples. A fall to an earlier value means that late samples have caught up.
 
         >>> clocks = ClockMap()
         >>> for n in range(50):
@@ -94,7 +95,7 @@ within 2%; check the device and the rate in the bench file
 
     @cached_property
     def _wrong_rate(self) -> float | None:
-        # seconds gained per second between bins, which may be separated by empty ones
+        # seconds gained per second between bins; there may be empty bins between them
         slopes = sorted(
             (late_s - early_s) / (BIN_S * (n - m)) for (m, early_s), (n, late_s) in pairwise(self.smallest_s)
         )
@@ -113,7 +114,7 @@ within 2%; check the device and the rate in the bench file
 
 
 def clock_offset_s(theirs_s: Callable[[], float], n_readings: int = 5) -> float:
-    """Return local minus other clock, s, by the quickest reading.
+    """Return local minus other clock, s, from the fastest of several readings.
 
     >>> abs(clock_offset_s(time.perf_counter)) < 1e-3
     True
@@ -135,5 +136,5 @@ def boot_clock_s() -> float:
 
 @functools.cache
 def boot_id() -> str:
-    """Return the name of this boot, or an empty text if unavailable."""
+    """Return the identifier of this boot, or an empty text if unavailable."""
     return _BOOT_ID.read_text("ascii").strip() if _BOOT_ID.exists() else ""

@@ -1,4 +1,4 @@
-"""Run a driver's call with a time limit."""
+"""Time limit for calls of a driver."""
 
 import threading
 from collections.abc import Callable
@@ -7,16 +7,17 @@ from typing import Final
 from ..errors import DeviceFailed
 
 BEGIN_WITHIN_S: Final = 5.0
-"""Time limit for an output to begin: a sound card waits 2 s each for the end of a signal and for its start (unverified
-default)."""
+"""Time limit for an output to begin. A sound card waits 2 s for the end of a signal and 2 s for its start
+(unverified default)."""
 CLOSE_WITHIN_S: Final = 2.0
 """Time limit for a driver to close (unverified default)."""
 
 
 def within(longest_s: float, what: str, call: Callable[[], None], cure: str = "switch its amplifier off") -> None:
-    """Run `call` in a thread, and wait for it no longer than this.
+    """Run `call` in a thread, and wait for it at most `longest_s`.
 
-    Raises `DeviceFailed` if it takes longer; `what` opens the message. Other errors of `call` are raised too.
+    Raises `DeviceFailed` if the call takes longer, with a message that begins with `what`. Other errors of `call` are
+    raised too.
 
     >>> import time
     >>> within(1.0, "output 'x'", lambda: None)

@@ -1,4 +1,4 @@
-"""Kinds of devices by their bench-file names, imported when named."""
+"""Device types by their bench-file names, imported when needed."""
 
 from typing import ClassVar, Final, Protocol
 
@@ -23,12 +23,12 @@ SENSORS: Final = {
 
 
 class OutputSettings(Protocol):
-    """Table of an output. `connected` if it leads to an amplifier."""
+    """Table of an output. `connected` is True if it leads to an amplifier."""
 
     connected: ClassVar[bool]
 
     def driver(self, gain: Gain | None) -> Driver:
-        """Make the driver. Raises `InvalidParameter` if it lacks a gain."""
+        """Create the driver. Raises `InvalidParameter` if a gain is missing."""
 
     def chain(self) -> SignalChain:
         """Return the signal chain for which the gain is valid."""

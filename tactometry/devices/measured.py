@@ -14,10 +14,7 @@ MaxAge = Annotated[int, Ge(0)] | Unlimited
 
 @constrained
 class Measured:
-    """Date, author and largest allowed age (days) of a calibration.
-
-    None and "unlimited" are no limit.
-    """
+    """Date, author and largest allowed age (days) of a calibration."""
 
     measured_on: date | None
     measured_by: str | None
@@ -31,7 +28,7 @@ class Measured:
         >>> Gain(1.0, 1.0, date(2026, 1, 2), "ZG", max_age_days=30).check_age("output.gain", date(2026, 3, 1))
         Traceback (most recent call last):
         tactometry.errors.DeviceFailed: output.gain: found a calibration of 2026-01-02, 58 days old, expected at most \
-30; measure it again with: tactometry calibrate; nothing was played
+30; repeat it with: tactometry calibrate; nothing was played
         """
         if self.max_age_days is None or isinstance(self.max_age_days, Unlimited):
             return
@@ -43,12 +40,12 @@ class Measured:
         age_days = (today - self.measured_on).days
         if age_days < 0:
             raise DeviceFailed(
-                f"{what}: found a calibration of {self.measured_on}, which is in the future, expected a day up to "
-                f"{today}; correct the bench file, or the clock of this computer; nothing was played"
+                f"{what}: found a calibration of {self.measured_on}, which is in the future, expected a date up to "
+                f"{today}; correct the bench file or the clock of this computer; nothing was played"
             )
         if age_days > self.max_age_days:
             days = "day" if age_days == 1 else "days"
             raise DeviceFailed(
                 f"{what}: found a calibration of {self.measured_on}, {age_days} {days} old, expected at most "
-                f"{self.max_age_days}; measure it again with: tactometry calibrate; nothing was played"
+                f"{self.max_age_days}; repeat it with: tactometry calibrate; nothing was played"
             )

@@ -1,4 +1,4 @@
-"""Shared parts of sound-card drivers: import of PortAudio, closing."""
+"""Shared parts of sound-card drivers: import of PortAudio, and closing."""
 
 import atexit
 from types import ModuleType
@@ -15,7 +15,7 @@ DEFAULTS: Final = ("default", "sysdefault")
 
 
 def end_stream(stream: Any, name: str) -> None:
-    """Close a stream, also one that hangs with its sound server."""
+    """Close a stream, even if it hangs with its sound server."""
 
     def end() -> None:
         stream.abort()
@@ -32,7 +32,7 @@ def end_stream(stream: Any, name: str) -> None:
 def refuse_default(owner: str, device: str) -> None:
     """Refuse a device name that changes with the system's settings."""
     named = device.strip().casefold() not in ("", *DEFAULTS)
-    card = "the name of a card (python -m sounddevice lists them): a default may be another one tomorrow"
+    card = "the name of a card (listed by python -m sounddevice), because a default may change"
     expect(named, f"{owner}.device", repr(device), card)
 
 

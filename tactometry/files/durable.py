@@ -14,7 +14,7 @@ from ..errors import DeviceFailed, InvalidFile, attempt
 LARGEST_BYTES: Final = 2**30
 """Largest size of a file that is read at once, bytes (unverified default)."""
 PRIVATE_FILE, PRIVATE_FOLDER = 0o600, 0o700
-"""Modes of new files and folders, readable by their owner only. Existing ones keep their modes."""
+"""Modes of new files and folders, readable only by their owner. Existing files keep their modes."""
 NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
 """Flag of `open_private` that refuses links."""
 _BINARY, _NOT_WAITING = getattr(os, "O_BINARY", 0), getattr(os, "O_NONBLOCK", 0)
@@ -23,7 +23,7 @@ _DRAFT = re.compile(r"\..+\.\d+")
 
 @contextmanager
 def private() -> Iterator[None]:
-    """Make all files of the process private to their owner during the body."""
+    """Create all files of the process for their owner only during the body."""
     before = os.umask(0o777 & ~PRIVATE_FOLDER)
     try:
         yield
@@ -34,9 +34,9 @@ def private() -> Iterator[None]:
 def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
     """Return the bytes of a file. `what` describes the expected file.
 
-    Pipes are not waited for.
+    It does not wait for pipes.
 
-    Raises `InvalidFile` if it is missing, not readable, not a file, or has more than `largest` bytes.
+    Raises `InvalidFile` if the file is missing, unreadable, not a regular file, or larger than `largest` bytes.
     """
     with _opened(path, what) as file:
         size = os.fstat(file.fileno()).st_size
@@ -60,7 +60,7 @@ def whole_lines(content: bytes, beginning: bytes = b"") -> Iterator[bytes]:
 
 
 def read_bytes(path: Path, what: str, first_byte: int, n_bytes: int) -> bytes:
-    """Return at most `n_bytes` of a file, otherwise as `read_file`."""
+    """Return at most `n_bytes` of a file. Raises like `read_file`."""
     with _opened(path, what) as file:
         file.seek(first_byte)
         return file.read(n_bytes)
@@ -78,30 +78,27 @@ def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
 
 
 def files_in(folder: Path, pattern: str = "*") -> list[Path]:
-    """Return the visible files of a folder with this pattern, sorted.
-
-    A missing folder has none.
-    """
+    """Return the visible files of a folder with this pattern, or none, sorted."""
     try:
         names = os.listdir(folder)  # noqa: PTH208 - a glob ignores unreadable folders
     except (FileNotFoundError, NotADirectoryError):
         return []
     except OSError as failure:
-        raise InvalidFile(f"{folder}: cannot be read ({failure.strerror}), expected a folder to read") from None
+        raise InvalidFile(f"{folder}: cannot be read ({failure.strerror}), expected a readable folder") from None
     return sorted(folder / name for name in fnmatch.filter(names, pattern) if not name.startswith("."))
 
 
 def open_private(path: Path, flags: int) -> int:
     """Open a file for writing, and create it for its owner only.
 
-    Raises `DeviceFailed` if it cannot be opened, `InvalidFile` if it is no file, or a link and the flags contain
-    `NO_LINK`.
+    Raises `DeviceFailed` if it cannot be opened. Raises `InvalidFile` if it is not a file, or if it is a link and
+    the flags contain `NO_LINK`.
     """
     if flags & NO_LINK and path.is_symlink():
         raise InvalidFile(f"{path}: found a link, expected a file; replace the link by its target")
-    with attempt(path, "cannot open", "a folder that can be written"):
+    with attempt(path, "cannot open", "a writable folder"):
         file = os.open(path, flags | os.O_CREAT | _NOT_WAITING | _BINARY, PRIVATE_FILE)
-    _refuse_others(file, path, "a file that can be written")
+    _refuse_others(file, path, "a writable file")
     return file
 
 
@@ -114,27 +111,27 @@ def _refuse_others(file: int, path: Path, what: str) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and its parents, for their owner only.
+    """Create a folder and its parents for their owner only.
 
-    Raises `InvalidFile` if a file is in its place, `DeviceFailed` if it cannot be made.
+    Raises `InvalidFile` if there is a file with this name, `DeviceFailed` if the folder cannot be created.
     """
     for folder in (*reversed(path.parents), path):
         try:
             folder.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
-            expected = "a folder for the data set; give another --out"
+            expected = "a folder for the data set; choose another --out"
             raise InvalidFile(f"{folder}: found a file, expected {expected}") from None
         except OSError as error:
             if os.path.isdir(folder):  # noqa: PTH112 - Path.is_dir fails where a name is too long
                 continue
-            failure = f"cannot make the folder ({error.strerror})"
-            raise DeviceFailed(f"{path}: {failure}, expected room and permission") from None
+            failure = f"cannot create the folder ({error.strerror})"
+            raise DeviceFailed(f"{path}: {failure}, expected disk space and permission") from None
 
 
 def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
-    """Write all of `line` at the end of the file, or nothing.
+    """Append all of `line` to the file, or nothing.
 
-    Raises `DeviceFailed` if the disk is full or fails; the file then ends with its last whole line.
+    Raises `DeviceFailed` if the disk is full or fails. The file then ends with its last complete line.
     """
     start = os.lseek(file, 0, os.SEEK_CUR)
     try:
@@ -147,8 +144,8 @@ def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
         os.ftruncate(file, start)
         os.lseek(file, start, os.SEEK_SET)
         raise DeviceFailed(
-            f"{path}: cannot write ({error.strerror}), expected room on the disk; all trials before are safe: make "
-            "room, then continue with --resume"
+            f"{path}: cannot write ({error.strerror}), expected free disk space; all earlier trials are safe; free "
+            "some space, then continue with --resume"
         ) from None
 
 
@@ -159,11 +156,11 @@ def drafts(folder: Path, name: str = "*") -> list[Path]:
 
 @contextmanager
 def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
-    """Write a draft of a file, and yield it open. It is removed at the end.
+    """Write a draft of a file, yield it open, and remove it at the end.
 
-    The draft is next to the file and has its mode.
+    The draft is in the same folder and has the same mode.
 
-    Raises `DeviceFailed` if the disk is full or fails; the file itself is unchanged.
+    Raises `DeviceFailed` if the disk is full or fails. The file itself is unchanged.
     """
     drafted = path.with_name(f".{path.name}.{os.getpid()}")
     with suppress(OSError):
@@ -183,7 +180,7 @@ def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
 
 def put_in_place(drafted: Path, path: Path) -> None:
     """Replace a file by its draft, atomically."""
-    with attempt(path, "cannot write", "room on the disk; make room and try again"):
+    with attempt(path, "cannot write", "free disk space; free some space and try again"):
         drafted.replace(path)
         sync_folder(path.parent)
 
@@ -191,7 +188,7 @@ def put_in_place(drafted: Path, path: Path) -> None:
 def replace_file(path: Path, content: bytes) -> int:
     """Replace a file atomically and return it open at its end.
 
-    Raises `DeviceFailed` if the disk is full or fails; the old file stays.
+    Raises `DeviceFailed` if the disk is full or fails. The old file is then unchanged.
     """
     with draft(path, content) as (file, drafted):
         put_in_place(drafted, path)
@@ -203,7 +200,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 
 def write_first(path: Path, content: bytes) -> None:
-    """Make a file unless it exists, also among concurrent processes."""
+    """Create a file unless it exists, even if other processes do so too."""
     if path.exists():
         return
     with draft(path, content) as (file, drafted):
@@ -218,7 +215,7 @@ def write_first(path: Path, content: bytes) -> None:
 
 
 def _copy_first(path: Path, content: bytes) -> None:
-    """Make a file on a disk without links."""
+    """Create a file on a disk that does not support links."""
     with attempt(path, "cannot write", "room and permission"), suppress(FileExistsError):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, PRIVATE_FILE)
         try:
@@ -228,7 +225,7 @@ def _copy_first(path: Path, content: bytes) -> None:
 
 
 def sync_folder(path: Path) -> None:
-    """Sync the names in a folder, where the system can."""
+    """Sync the names in a folder, if the system supports it."""
     if os.name == "posix":
         folder = os.open(path, os.O_RDONLY)
         try:

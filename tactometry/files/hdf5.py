@@ -1,7 +1,7 @@
 """Samples of an HDF5 file, read in a separate process.
 
-`python -P hdf5.py FILE LARGEST` writes NPZ to standard output, or one sentence to standard error; `-P`, as modules next
-to this one have names of the standard library's.
+`python -P hdf5.py FILE LARGEST` writes NPZ to standard output, or an error to standard error. `-P` is needed because
+modules in this folder have names of the standard library.
 """
 
 import io
@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 READ_WITHIN_S: Final = 30.0
-"""Time limit; a valid file of the largest size takes seconds (unverified default)."""
+"""Time limit. A valid file of the largest size takes seconds (unverified default)."""
 
 
 def as_npz(path: Path, largest_bytes: int) -> bytes:
@@ -31,11 +31,11 @@ def as_npz(path: Path, largest_bytes: int) -> bytes:
         done = subprocess.run(command, capture_output=True, timeout=READ_WITHIN_S, check=False)
     except subprocess.TimeoutExpired:
         raise ValueError(
-            f"found a file that the HDF5 library did not read within {READ_WITHIN_S:g} s, expected a valid one"
+            f"found a file that the HDF5 library did not read within {READ_WITHIN_S:g} s, expected a valid file"
         ) from None
     if done.returncode:
         words = done.stderr.decode("utf-8", "replace").splitlines()
-        raise ValueError(words[-1] if words else "found a file that crashed the HDF5 library, expected a valid one")
+        raise ValueError(words[-1] if words else "found a file that crashed the HDF5 library, expected a valid file")
     return done.stdout
 
 

@@ -21,7 +21,7 @@ _VERBATIM: Final = json.JSONDecoder(parse_float=str, parse_int=str, parse_consta
 def json_value(text: str | bytes) -> Any:
     """Parse JSON.
 
-    Raises `ValueError` if it is no JSON, has half of a character, or is nested deeper than `DEEPEST`.
+    Raises `ValueError` if the text is not JSON, contains half of a character, or is nested deeper than `DEEPEST`.
 
     >>> json_value('{"a": [1]}')
     {'a': [1]}
@@ -36,7 +36,7 @@ def json_value(text: str | bytes) -> Any:
 def json_object(path: Path, what: str) -> dict[str, Any]:
     """Read a file with one JSON object. `what` describes the file.
 
-    Raises `InvalidFile` if it cannot be read, has more than `LARGEST_OBJECT` bytes, or is no JSON object.
+    Raises `InvalidFile` if the file cannot be read, is larger than `LARGEST_OBJECT` bytes, or is not a JSON object.
     """
     content = read_file(path, what, LARGEST_OBJECT)
     try:
@@ -51,7 +51,8 @@ def json_object(path: Path, what: str) -> dict[str, Any]:
 def json_items(text: str) -> Iterator[Any]:
     """Parse items of consecutive JSON lists one by one, numbers as text.
 
-    Raises `ValueError` if the text is no list in JSON, or an item has half of a character or is nested too deeply.
+    Raises `ValueError` if the text is not a JSON list, or if an item contains half of a character or is nested too
+    deeply.
 
     >>> list(json_items("[1, [0.10]] [null]"))
     ['1', ['0.10'], None]
@@ -87,7 +88,7 @@ def _skip(text: str, place: int) -> int:
 
 
 def _checked(value: Any) -> Any:
-    """Return a value unless it is too deep or has half a character."""
+    """Return a value unless it is too deep or contains half a character."""
     for depth, level in enumerate(levels(value)):
         if depth == DEEPEST:
             raise _too_deep()
@@ -117,11 +118,11 @@ ASKED = "asked.json"
 
 
 def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -> None:
-    """Make a folder for a request, or resume that of an interrupted run.
+    """Create a folder for a request, or reopen it for an interrupted run.
 
-    `wanted` determines the results, as JSON values; `work` names the request: ``power analysis``.
+    `wanted` contains the JSON values that determine the results. `work` names the request, such as ``power analysis``.
 
-    Raises `InvalidFile` if the folder has this request and `resume` is not given, or another request.
+    Raises `InvalidFile` if the folder contains this request and `resume` is not set, or another request.
     """
     path = root / ASKED
     if path.exists():
@@ -131,6 +132,6 @@ def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -
             found, asked = held.get(other), wanted[other]
             raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as requested; choose another --out")
         if not resume:
-            raise InvalidFile(f"{root}: found this {work}, expected none; continue with --resume")
+            raise InvalidFile(f"{root}: found this {work}, expected an empty folder; continue with --resume")
     make_folder(root)
     write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")

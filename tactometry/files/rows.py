@@ -11,7 +11,7 @@ from ..errors import attempt
 LIST_OF_TABLES = "tables.txt"
 """File next to the tables of a report that lists them."""
 _QUOTED_SIGNS = '"\r\n'
-"""The csv module leaves a carriage return unquoted in rows that end in a line feed, up to Python 3.12."""
+"""Up to Python 3.12 the csv module does not quote a carriage return in rows that end in a line feed."""
 
 
 def write_records(kind: type[Any], records: Iterable[Any], path: Path) -> None:
@@ -20,14 +20,14 @@ def write_records(kind: type[Any], records: Iterable[Any], path: Path) -> None:
 
 
 def write_rows(head: Sequence[str], rows: Iterable[Sequence[Any]], path: Path) -> None:
-    """Write a CSV file, and make its folder."""
-    with attempt(path, "cannot write", "a place to write to"):
+    """Write a CSV file, and create its folder."""
+    with attempt(path, "cannot write", "a writable place"):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(spreadsheet_text((head, *rows)))
 
 
 def spreadsheet_text(rows: Iterable[Sequence[Any]], separator: str = ",") -> bytes:
-    """Format rows in which a spreadsheet computes no text."""
+    """Format rows in which a spreadsheet does not compute any text."""
     return delimited_text(
         ([cell_text(cell) if isinstance(cell, str) else cell for cell in row] for row in rows), separator
     )
@@ -45,12 +45,13 @@ def delimited_text(rows: Iterable[Sequence[Any]], separator: str = ",") -> bytes
         text = "" if value is None else str(value)
         return '"' + text.replace('"', '""') + '"' if special.search(text) else text
 
-    lines = (separator.join(map(quoted, row)) or '""' for row in rows)  # an empty line would be no row
+    lines = (separator.join(map(quoted, row)) or '""' for row in rows)  # a reader would skip an empty line
     return "".join(f"{line}\n" for line in lines).encode()
 
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20")
-"""A spreadsheet computes text that begins with one of these (OWASP, "CSV injection"); the last four are full-width."""
+"""Characters with which a text begins that a spreadsheet computes (OWASP, "CSV injection"). The last four are
+full-width."""
 BYTE_ORDER_MARK = "\ufeff"
 _MARKUP = re.compile(r"[\\<\[]")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")

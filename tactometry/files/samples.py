@@ -1,4 +1,4 @@
-"""Read samples from complete WAV and NPZ files of limited size.
+"""Reading of samples from complete WAV and NPZ files of limited size.
 
 A damaged file raises a `ValueError` that states what was found and what was expected.
 """
@@ -22,7 +22,7 @@ _FORMAT: Final = struct.Struct("<HHIIHH")
 _WAV_DAMAGES: Final = (
     *(ValueError, TypeError, struct.error, EOFError, OverflowError, ZeroDivisionError, UnboundLocalError, MemoryError),
 )
-"""Errors of scipy for damaged bytes."""
+"""Errors that scipy raises for damaged bytes."""
 _ENDLESS: Final = 2**32 - 1
 _read_array: Final[Any] = np.lib.format.read_array
 
@@ -42,7 +42,7 @@ class Wav(NamedTuple):
         [[-1.0, 0.9921875]]
         """
         kind = self.frames.dtype
-        with np.errstate(invalid="ignore"):  # a damaged file may hold signalling NaN
+        with np.errstate(invalid="ignore"):  # a damaged file may contain signalling NaN
             frames = self.frames.astype(np.float64)
         if kind.kind == "f":
             return frames
@@ -63,14 +63,14 @@ def wav_of(content: bytes) -> Wav:
             rate, frames = wavfile.read(io.BytesIO(content))
     except _WAV_DAMAGES as error:
         words = " ".join(str(error).split())
-        raise ValueError(f"found a damaged WAV file ({words}), expected a valid one") from None
+        raise ValueError(f"found a damaged WAV file ({words}), expected a valid file") from None
     return Wav(float(rate), np.reshape(frames, (len(frames), -1)))
 
 
 def _check_wav(content: bytes) -> None:
     """Raise `ValueError` if a file is not a complete WAV file."""
     if len(content) < 12 or content[:4] not in (b"RIFF", b"RF64") or content[8:12] != b"WAVE":
-        raise ValueError("found no WAV file, expected one that begins with RIFF and WAVE")
+        raise ValueError("found no WAV file, expected a file that begins with RIFF and WAVE")
     frame_bytes, long_bytes, at = 0, 0, 12
     while at + _CHUNK.size <= len(content):
         name, size = _CHUNK.unpack_from(content, at)
@@ -85,7 +85,7 @@ def _check_wav(content: bytes) -> None:
             if not frame_bytes:
                 raise ValueError("found samples before their format, expected a chunk 'fmt ' first")
             if n_said == 0:
-                raise ValueError("found no samples, expected at least one")
+                raise ValueError("found no samples, expected at least one sample")
             if n_said > n_there:
                 raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is incomplete")
             if n_said % frame_bytes:
@@ -97,7 +97,7 @@ def _check_wav(content: bytes) -> None:
 
 def _frame_bytes(form: bytes) -> int:
     if len(form) < _FORMAT.size:
-        raise ValueError("found no complete chunk 'fmt ', expected one: the file is incomplete")
+        raise ValueError("found no complete chunk 'fmt ', expected a complete one: the file is incomplete")
     _, n_channels, rate_hz, _, frame_bytes, n_bits = _FORMAT.unpack_from(form)
     if not n_channels or not rate_hz or not n_bits or frame_bytes != n_channels * -(-n_bits // 8):
         raise ValueError(
@@ -122,9 +122,9 @@ def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.
         except ValueError as error:  # numpy adds advice for programmers after the fault
             raise ValueError(str(error).split(";")[0].rstrip(".")) from None
     if table.size == 0:
-        raise ValueError("found no row of numbers, expected at least one")
+        raise ValueError("found no rows of numbers, expected at least one row")
     if n_columns is not None and table.shape[1] != n_columns:
-        raise ValueError(f"found {table.shape[1]} columns of numbers under {n_columns} names, expected as many")
+        raise ValueError(f"found {table.shape[1]} columns of numbers for {n_columns} names, expected equal numbers")
     return table
 
 
@@ -142,7 +142,7 @@ class Npz:
             self._archive = zipfile.ZipFile(io.BytesIO(content))
             self._names = set(self._archive.namelist())
         except _DAMAGES as error:
-            raise ValueError(f"found no complete NPZ archive ({error}), expected one of numpy.savez") from None
+            raise ValueError(f"found no complete NPZ archive ({error}), expected an archive of numpy.savez") from None
 
     def __contains__(self, name: str) -> bool:
         return f"{name}.npy" in self._names
@@ -151,22 +151,22 @@ class Npz:
         return self._array(name, LARGEST_BYTES)
 
     def words(self, name: str) -> str:
-        """Return a text. Raises `ValueError` if it is not one text."""
+        """Return a text. Raises `ValueError` if the array is not one text."""
         return str(self._single(name, "U", "text"))
 
     def number(self, name: str) -> float:
-        """Return a number. Raises `ValueError` if it is not one number."""
+        """Return a number. Raises `ValueError` if the array is not one number."""
         return float(self._single(name, "iuf", "number"))
 
     def _single(self, name: str, kinds: str, what: str) -> NDArray[Any]:
         array = self._array(name, LARGEST_WORDS)
         if array.ndim or array.dtype.kind not in kinds:
-            raise ValueError(f"{name}: found an array of shape {array.shape}, expected one {what}")
+            raise ValueError(f"{name}: found an array of shape {array.shape}, expected a single {what}")
         return array
 
     def _array(self, name: str, largest: int) -> NDArray[Any]:
         if name not in self:
-            raise ValueError(f"{name}: found no such array, expected one")
+            raise ValueError(f"{name}: found no array with this name, expected one")
         size = self._archive.getinfo(f"{name}.npy").file_size
         if size > largest:
             raise ValueError(f"{name}: found {size} bytes, expected at most {largest}")
@@ -174,7 +174,7 @@ class Npz:
             with self._archive.open(f"{name}.npy") as member:
                 array = _read_array(io.BytesIO(member.read(size)), allow_pickle=False)
         except _DAMAGES as error:
-            raise ValueError(f"{name}: found a damaged array ({error}), expected a valid one") from None
+            raise ValueError(f"{name}: found a damaged array ({error}), expected a valid array") from None
         return np.asarray(array)
 
 
@@ -182,4 +182,4 @@ _DAMAGES: Final = (
     *(OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError, NotImplementedError, OverflowError),
     *(SyntaxError, MemoryError, RecursionError, struct.error, zipfile.BadZipFile, zlib.error),
 )
-"""Errors of numpy and zipfile for damaged bytes."""
+"""Errors that numpy and zipfile raise for damaged bytes."""

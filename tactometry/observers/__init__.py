@@ -1,5 +1,5 @@
 """Models of a participant for simulation.
 
-`decisions` defines the interface, `signal_detection` is the default. They draw from the generator passed to them and
-are independent of protocols; `finger` simulates touches.
+`decisions` defines their interface. `signal_detection` is the default. Models draw from the generator passed to them
+and do not depend on protocols. `finger` simulates touches.
 """

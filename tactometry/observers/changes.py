@@ -11,14 +11,14 @@ from ..arguments.constraints import Finite, NotNegative, Positive, Share, constr
 from .responses import either
 
 Answer = float | str | None
-"""The response of a row."""
+"""Response in a row of the trials table."""
 
 
 @dataclass(frozen=True)
 class Shift:
     """Deviation of a participant in one trial.
 
-    Sensitivity, criterion (in units of the internal noise), and additional lapses.
+    It changes sensitivity, criterion (in units of the internal noise) and additional lapses.
     """
 
     sensitivity_db: float = 0.0
@@ -39,9 +39,10 @@ class Shift:
 
 
 class Change(Protocol):
-    """A change of a participant during a session.
+    """Change of a participant during a session.
 
-    A pure function of the number of earlier trials, their answers, and a random stream that starts anew in every trial.
+    It is a pure function of the number of earlier trials, their answers, and a random stream that restarts in every
+    trial.
     """
 
     def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift: ...
@@ -49,7 +50,7 @@ class Change(Protocol):
 
 @runtime_checkable
 class Shifted(Protocol):
-    """An observer that a `Shift` can change."""
+    """Observer that a `Shift` can change."""
 
     def shifted(self, shift: Shift) -> Self: ...
 
@@ -59,10 +60,10 @@ class Shifted(Protocol):
 class CriterionDrift:
     """Criterion that drifts as a stationary first-order process.
 
-    Its correlation falls to 1/e over `n_trials` trials (unverified defaults).
+    Its autocorrelation falls to 1/e over `n_trials` trials (unverified defaults).
 
     - `sd`: Standard deviation of the criterion, in units of the internal noise.
-    - `n_trials`: Number of trials after which its correlation has fallen to 1/e.
+    - `n_trials`: Number of trials after which the autocorrelation has fallen to 1/e.
     """
 
     sd: NotNegative = 0.3
@@ -73,14 +74,14 @@ class CriterionDrift:
         keep = exp(-1 / self.n_trials)
         steps = rng.standard_normal(n_trials + 1)
         weights = keep ** np.arange(n_trials, -1, -1.0)
-        weights[1:] *= sqrt(1 - keep**2)  # the first has the variance of the process
+        weights[1:] *= sqrt(1 - keep**2)  # the first value has the variance of the process
         return Shift(criterion=self.sd * float(weights @ steps))
 
 
 @dataclass(frozen=True)
 @constrained
 class Fatigue:
-    """Sensitivity that falls linearly with the trials (unverified defaults).
+    """Sensitivity that decreases linearly with trials (unverified defaults).
 
     - `loss_db`: Loss of sensitivity after `n_trials`.
     - `n_trials`: Number of trials after which the loss is reached.
@@ -97,15 +98,15 @@ class Fatigue:
 @dataclass(frozen=True)
 @constrained
 class LapsesInRuns:
-    """Lapses that come in runs, as a Markov chain of two states.
+    """Lapses in runs, as a Markov chain of two states.
 
-    In each trial attention is lost with probability `loss_rate` or returns with `return_rate`; while it is lost,
-    `lapse_rate` of the answers are random (unverified defaults). In the long run it is lost in
-    ``loss_rate / (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials on average.
+    In each trial attention is lost with probability `loss_rate` or returns with `return_rate`. While it is lost,
+    `lapse_rate` of the answers are random (unverified defaults). In the long run attention is lost in ``loss_rate /
+    (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials on average.
 
     - `loss_rate`: Probability per trial that attention is lost.
     - `return_rate`: Probability per trial that attention returns.
-    - `lapse_rate`: Share of random answers while attention is lost.
+    - `lapse_rate`: Fraction of random answers while attention is lost.
     """
 
     loss_rate: Share = 0.01
@@ -125,8 +126,8 @@ class LapsesInRuns:
 class SlowLearning:
     """Sensitivity that rises by `gain_db` in total (unverified defaults).
 
-    - `gain_db`: Loss of sensitivity at the first trial.
-    - `n_trials`: Number of trials after which 1/e of the loss is left.
+    - `gain_db`: Deficit of sensitivity at the first trial.
+    - `n_trials`: Number of trials after which 1/e of the deficit is left.
     """
 
     gain_db: Finite = 3.0
@@ -142,10 +143,10 @@ class SlowLearning:
 class SerialDependence:
     """Criterion that depends on the previous answer (unverified default).
 
-    After a yes it is lower by `pull`, after a no higher; with a `pull` below 0, answers alternate. It acts on
-    questions with a criterion: yes/no, same or different.
+    After a yes the criterion is lower by `pull`, after a no it is higher by `pull`. If `pull` is below 0, answers tend
+    to alternate. This affects questions with a criterion: yes/no, and same or different.
 
-    - `pull`: Decrease of the criterion after a yes, in units of the internal noise; below 0, answers alternate.
+    - `pull`: Decrease of the criterion after a yes, in units of the internal noise. Below 0, answers tend to alternate.
     """
 
     pull: Finite = 0.2
@@ -163,4 +164,4 @@ CHANGES: Final = {
     "criterion_drift": f"{__name__}:CriterionDrift",
     "serial_dependence": f"{__name__}:SerialDependence",
 }
-"""Kinds of change, by the names of a study file."""
+"""Kinds of change, by their names in a study file."""

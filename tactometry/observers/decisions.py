@@ -10,7 +10,7 @@ from ..session.request import Choose, Facts
 
 
 class Observer(Protocol):
-    """Observer that decides from levels in dB re threshold, -inf for none."""
+    """Observer that decides from levels in dB re threshold (-inf: no stimulus)."""
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
         """Return True if a stimulus is reported as felt."""
@@ -41,9 +41,10 @@ class Observer(Protocol):
 
 @dataclass(frozen=True)
 class Felt:
-    """A stimulus that was felt in this trial, with its sensation level.
+    """Stimulus that was felt in this trial, with its sensation level.
 
-    `fingers_db` returns what each finger feels of any stimulus in the same touch; None for a single place of the skin.
+    `fingers_db` returns what each finger would feel of any stimulus in the same touch. None means a single place of
+    the skin.
     """
 
     stimulus: str
@@ -83,7 +84,7 @@ def most_liked(observer: Observer, felt: Sequence[Felt], request: Choose, rng: n
 
 
 def locate(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """Report which alternative was felt, from the levels at each finger.
+    """Return which alternative was felt, from the levels at each finger.
 
     Without `fingers_db`, each alternative is felt at a separate place.
     """

@@ -1,4 +1,4 @@
-"""A simulated finger that holds force and speed with human variability."""
+"""Simulated finger that holds force and speed with human variability."""
 
 import math
 from collections.abc import Callable
@@ -14,12 +14,12 @@ from ..session.request import Press, Slide
 
 Array = NDArray[np.float64]
 N_TRIES = 100
-"""Largest number of draws of a force until one is in the band."""
+"""Largest number of draws of a force until it is in the band."""
 
 
 @dataclass(frozen=True)
 class Grip:
-    """One touch: stamps, forces, positions along the path, and mean speed."""
+    """Touch: time stamps, forces, positions along the path, and mean speed."""
 
     times_s: Array
     forces_n: Array
@@ -29,7 +29,7 @@ class Grip:
 
 @dataclass(frozen=True)
 class Grips:
-    """Several touches with the same stamps, a row each."""
+    """Several touches with the same time stamps, a row each."""
 
     times_s: Array
     forces_n: Array
@@ -51,13 +51,13 @@ class SimulatedFinger:
     are habits: how many times the force and the speed that are asked the finger presses and slides, where the band
     lets it.
 
-    - `force_cv`: Coefficient of variation of the mean force, from trial to trial.
+    - `force_cv`: Coefficient of variation of the mean force between trials.
     - `waver_cv`: Coefficient of variation of the force within a trial.
     - `waver_s`: Correlation time of the fluctuations within a trial.
-    - `speed_cv`: Coefficient of variation of the mean speed, from trial to trial.
+    - `speed_cv`: Coefficient of variation of the mean speed between trials.
     - `speed_waver_cv`: Coefficient of variation of the speed within a trial.
-    - `rate_hz`: Samples of force and position per second.
-    - `force_factor`: Ratio of the force that the finger presses with to the requested force.
+    - `rate_hz`: Sampling rate of force and position.
+    - `force_factor`: Ratio of the force of the finger to the requested force.
     - `speed_factor`: Ratio of the speed of the finger to the requested speed.
     """
 
@@ -71,11 +71,11 @@ class SimulatedFinger:
     speed_factor: Positive = 1.0
 
     def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:
-        """Return one touch for a request, at `rate_hz` for its duration."""
+        """Return one touch for a request, sampled at `rate_hz`."""
         return self.holds(request, rng.standard_normal((1, self.n_draws(request)))).of(0)
 
     def n_draws(self, request: Press | Slide) -> int:
-        """Return how many normal numbers a touch takes."""
+        """Return the number of normal random numbers for one touch."""
         n_samples = self._n_samples(request)
         return N_TRIES + n_samples + (0 if isinstance(request, Press) else 1 + n_samples)
 
@@ -92,7 +92,7 @@ class SimulatedFinger:
         ratios = self.force_factor * np.exp(self.force_cv * tries)
         inside = np.abs(ratios - 1) <= tolerance
         first = np.take_along_axis(ratios, inside.argmax(axis=1)[:, None], axis=1)[:, 0]
-        # all draws can miss a narrow band, or one far from the habitual force
+        # all draws can miss a narrow band, or a band far from the habitual force
         ratios_in_band = np.where(inside.any(axis=1), first, np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
         means_n = request.target_n * ratios_in_band
         forces_n = np.maximum(means_n[:, None] * (1 + self.waver_cv * self._waver(waver)), 0.0)
@@ -102,7 +102,7 @@ class SimulatedFinger:
         asked_m_per_s = request.speed_m_per_s * self.speed_factor
         means_m_per_s = np.array([asked_m_per_s * math.exp(self.speed_cv * z) for z in path[:, 0].tolist()])
         speeds = means_m_per_s[:, None] * np.maximum(1 + self.speed_waver_cv * self._waver(path[:, 1:]), 0.0)
-        # each speed moves the finger after its sample, so the last has no effect
+        # each speed moves the finger after its sample, so the last speed has no effect
         steps = speeds[:, :-1]
         paths_m = np.pad(np.cumsum(steps, axis=1) / self.rate_hz, ((0, 0), (1, 0)))
         return Grips(times_s, forces_n, triangle(paths_m, request.length_m), steps.mean(axis=1))
@@ -111,18 +111,18 @@ class SimulatedFinger:
         """Return a stationary first-order process of unit variance from each row."""
         keep = math.exp(-1 / (self.waver_s * self.rate_hz))
         steps = drawn.T.copy()
-        steps[1:] *= math.sqrt(1 - keep**2)  # the first has the variance of the process: stationary from there on
+        steps[1:] *= math.sqrt(1 - keep**2)  # the first value already has the variance of the process
         for n in range(1, len(steps)):
             steps[n] += keep * steps[n - 1]
         return np.ascontiguousarray(steps.T)
 
 
 N_AHEAD = 32
-"""Trials whose touches are computed together: a block of a session has about as many."""
+"""Number of trials whose touches are computed together, about as many as in a block."""
 
 
 class KeptTouch(NamedTuple):
-    """A touch with its compliance of force, and of speed if gated."""
+    """Touch with its compliance of force, and of speed if gated."""
 
     grip: Grip
     force: Compliance
@@ -143,8 +143,8 @@ def kept_touches(finger: SimulatedFinger, request: Press | Slide, drawn: Array) 
 class Touches:
     """Touches of a session, and the random stream of each trial after them.
 
-    Trial n draws from `rng_of(n)` only. Touches of following trials are computed in advance, as if they had the same
-    requests; a trial that differs recreates its stream, so that results do not depend on this.
+    Trial n draws only from `rng_of(n)`. Touches of the next trials are computed in advance, assuming the same
+    requests. A trial with other requests recreates its stream, so that results do not depend on this.
     """
 
     def __init__(self, finger: SimulatedFinger, rng_of: Callable[[int], np.random.Generator]) -> None:

@@ -1,4 +1,4 @@
-"""An ideal participant: no noise, no lapse, no bias."""
+"""Ideal participant without noise, lapses and bias."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,10 +17,10 @@ class IdealObserver(ObserverWithTraits):
     """Noise-free observer that guesses only between equal sensations.
 
     - `sensitivity_db`: Sensitivity relative to the reference, in dB of sensation level.
-    - `between_sd_db`: Standard deviation of the sensitivity between people.
+    - `between_sd_db`: Standard deviation of the sensitivity between participants.
     - `latency_s`: Time from the stimulus to the answer.
 
-    Raises `InvalidParameter` if a value is outside of its range.
+    Raises `InvalidParameter` if a value is out of range.
     """
 
     sensitivity_db: Finite = 0.0
@@ -41,7 +41,7 @@ class IdealObserver(ObserverWithTraits):
         return int(rng.choice(best))
 
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
-        """Return the index of what is felt, or of another that feels the same."""
+        """Return the index of the felt alternative, or of one that feels the same."""
         felt = tuple(alternatives_db[n_felt])
         alike = [n for n, levels in enumerate(alternatives_db) if tuple(levels) == felt]
         return int(rng.choice(alike))

@@ -42,10 +42,7 @@ class Middle(Protocol):
 
 @dataclass(frozen=True)
 class Population:
-    """Population of participants: average, differences and changes.
-
-    Without raters, ratings follow the liking of the strength.
-    """
+    """Population of participants: average, differences and changes."""
 
     middle: Middle
     people: People = field(default_factory=People)
@@ -58,7 +55,7 @@ class Population:
             self.middle.participant(np.random.default_rng(0))
 
     def person(self, rng: np.random.Generator) -> SimulatedPerson:
-        """Draw a person, by the traits of the population if it has any."""
+        """Draw a participant, with the traits of the population if it has any."""
         if not isinstance(self.middle, Varied):
             return SimulatedPerson(self.middle.participant(rng))
         traits = self.people.traits(rng)
@@ -72,13 +69,13 @@ class Population:
         return replace(stated, deviation_db=self.people.deviation_db(factors, modality, draws))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Refuse names that are no factor or level of a study."""
+        """Refuse names that are not factors or levels of a study."""
         self.people.check(factors, f"{path}.people")
         if isinstance(self.middle, Stated):
             self.middle.check(factors, path)
 
     def shift(self, n_trials: int, answers: Sequence[Answer], draws: Draws) -> Shift:
-        """Return the change of a person in a trial."""
+        """Return the change of a participant in a trial."""
         parts = (change.shift(n_trials, answers, draws("change", kind)) for kind, change in self.changes.items())
         return reduce(add, parts, Shift())
 
@@ -86,7 +83,7 @@ class Population:
 def population_of(table: Mapping[str, Any], path: str, code_from: Path | None = None) -> Population:
     """Build the population of a table. Custom code needs a folder.
 
-    Raises `InvalidParameter` if the kind is unknown, or does not know a key.
+    Raises `InvalidParameter` if the kind or a key is unknown.
 
     >>> population_of({"criterion": 2.0, "people": {"criterion_sd": 0.3}}, "observer").middle.criterion
     2.0
@@ -96,10 +93,10 @@ def population_of(table: Mapping[str, Any], path: str, code_from: Path | None = 
     people = build(People, table.get("people", {}), f"{path}.people")
     kind = of_middle.get("kind", USUAL)
     has_traits = isinstance(middle, Varied | NotAllowed) or people == People()
-    expect(has_traits, f"{path}.people", f"a table, but people of the kind {kind!r} have no traits", "none")
+    expect(has_traits, f"{path}.people", f"a table, but participants of the kind {kind!r} have no traits", "none")
     changes = _changes_of(as_table(table.get("changes", {}), f"{path}.changes"), f"{path}.changes")
     can_change = isinstance(middle, Shifted | NotAllowed) or not changes
-    expect(can_change, f"{path}.changes", f"a table, but people of the kind {kind!r} do not change", "none")
+    expect(can_change, f"{path}.changes", f"a table, but participants of the kind {kind!r} do not change", "none")
     return Population(middle, people, changes, _raters_of(table, f"{path}.raters"))
 
 
@@ -153,15 +150,15 @@ def _is_observer(value: object, _: tuple[Any, ...]) -> bool:
 
 
 YES_OR_NO: Final = Expected("True or False", _is_yes_or_no, bool)
-INDEX: Final = Expected("the index of one of them, from 0", _is_index, int)
+INDEX: Final = Expected("the index of an alternative, from 0", _is_index, int)
 AMOUNT: Final = Expected("a finite number, at least 0", lambda value, _: _is_number(value, 0.0), float)
 LIKING: Final = Expected("a number from -1 to 1", lambda value, _: _is_number(value, -1.0, 1.0), float)
-FACTS: Final = Expected("a dictionary of plain texts and numbers", _are_facts, dict)
+FACTS: Final = Expected("a dictionary of texts and numbers", _are_facts, dict)
 ANSWERS: Final = {
     "detect": YES_OR_NO, "compare": INDEX, "identify": INDEX, "differ": YES_OR_NO, "magnitude": AMOUNT,
     "liking": LIKING, "answer_time_s": AMOUNT, "facts": FACTS,
 }  # fmt: skip
-"""Answers that an observer must give, by method; `observers/decisions.py` defines them."""
+"""Answers that an observer must return, by method, as defined in `observers/decisions.py`."""
 PEOPLE: Final = ("participant", "person", "shifted")
 """Methods that return an observer."""
 OTHERS: Final = ("stated", "check", "__post_init__")
@@ -175,7 +172,7 @@ def guarded_observer(kind: type) -> type:
 
 
 def _of_guarded_class(observer: Any) -> Any:
-    """Guard the class of an observer that user code made."""
+    """Guard the class of an observer that user code created."""
     kind: Any = type(observer)
     if not kind.__module__.startswith("tactometry.") and not hasattr(kind, MARK):
         with suppress(TypeError):  # classes written in C cannot be guarded
@@ -203,7 +200,7 @@ class NotAllowed:
 def own_class(target: str, folder: Path, path: str) -> Any:
     """Return the class that ``module:Class`` names, from a file in `folder`.
 
-    Raises `InvalidParameter` if it is missing, its import fails, or it lacks methods of an observer.
+    Raises `InvalidParameter` if the class is missing, its import fails, or it lacks methods of an observer.
     """
     where = f"{path}.kind"
     kind = class_beside(target, folder, where)

@@ -1,4 +1,4 @@
-"""Differences between people in traits and in each cell."""
+"""Differences between participants in traits and in each cell."""
 
 import itertools
 from abc import ABC, abstractmethod
@@ -20,16 +20,17 @@ from .finger import SimulatedFinger
 from .responses import MOST_LAPSES
 
 TRAITS: Final = ("sensitivity", "criterion", "exponent", "lapse", "latency", "number", "force", "speed")
-"""Traits drawn together for a person, in the order of the person's random stream."""
+"""Traits drawn together for a participant, in the order of the random stream."""
 MODALITIES: Final[Mapping[str, tuple[str, ...]]] = {"hybrid": ("electrovibration", "time_reversal")}
 """Surfaces that are felt by several modalities, whose deviations are averaged (unverified default)."""
 
 
 @dataclass(frozen=True)
 class Traits:
-    """Traits of one person relative to the population.
+    """Traits of one participant relative to the population.
 
-    `sensitivity` is in standard deviations, `criterion` in units of the internal noise; the others are factors.
+    `sensitivity` is in standard deviations, `criterion` in units of the internal noise. The other traits are
+    factors.
     """
 
     sensitivity: float = 0.0
@@ -42,26 +43,26 @@ class Traits:
     speed_factor: float = 1.0
 
     def lapse_rate(self, usual: float) -> float:
-        """Return this person's rate, limited by `MOST_LAPSES`."""
+        """Return this participant's rate, limited by `MOST_LAPSES`."""
         return min(usual * self.lapse_factor, max(usual, MOST_LAPSES))
 
 
 @runtime_checkable
 class Varied(Protocol):
-    """Average of a population whose people have traits."""
+    """Average of a population whose participants have traits."""
 
     def person(self, traits: Traits) -> Self: ...
 
 
 class ObserverWithTraits(ABC):
-    """An average that can draw a participant itself."""
+    """Average of a population that can draw a participant itself."""
 
     @abstractmethod
     def person(self, traits: Traits) -> Self:
         """Return the participant with these traits."""
 
     def participant(self, rng: np.random.Generator) -> Self:
-        """Draw a participant who differs in sensitivity only."""
+        """Draw a participant who differs only in sensitivity."""
         return self.person(Traits(sensitivity=float(rng.standard_normal())))
 
     def facts(self) -> Facts:
@@ -70,10 +71,10 @@ class ObserverWithTraits(ABC):
 
 @dataclass(frozen=True)
 class Feeling:
-    """How one person feels one cell of the design.
+    """Sensitivity of one participant in one cell of the design.
 
-    With a threshold (in the unit of the level), `level - threshold` plus the deviation, times `stretch`, replaces the
-    model.
+    With a threshold (in the unit of the level), the sensation level is `level - threshold` plus the deviation, times
+    `stretch`, instead of the model's.
     """
 
     deviation_db: float = 0.0
@@ -93,7 +94,7 @@ class Feeling:
 
 @runtime_checkable
 class Stated(Protocol):
-    """An observer with thresholds in the unit of the level."""
+    """Observer with thresholds in the unit of the level."""
 
     def stated(self, factors: Mapping[str, float | str]) -> Feeling: ...
 
@@ -102,7 +103,7 @@ class Stated(Protocol):
 
 @dataclass(frozen=True)
 class SimulatedPerson:
-    """A drawn person: observer, and factors of force and speed."""
+    """Drawn participant: observer, and factors of force and speed."""
 
     observer: Observer
     force_factor: float = 1.0
@@ -118,27 +119,27 @@ class SimulatedPerson:
 
 
 Draws = Callable[..., np.random.Generator]
-"""Returns the random stream of a person for a use named by words."""
+"""Returns the random stream of a participant for a use named by words."""
 
 
 @dataclass(frozen=True)
 @constrained
 class People:
-    """Differences in a population: the keys of `[observer.people]`, default 0.
+    """Differences in a population: the keys of `[observer.people]`.
 
-    A person's deviation in a cell is the sum of the stated effects and of independent normal deviations for the
-    modality, for each factor's level and for the cell, all in dB of sensation level. Each is drawn from a stream named
-    by person and cell, so that it does not depend on the order and number of cells. The other traits are jointly
-    normal, those whose spread ends in ``_cv`` on a logarithmic scale.
+    All defaults are 0. A participant's deviation in a cell is the sum of the stated effects and of independent normal
+    deviations for the modality, for each factor's level and for the cell, all in dB of sensation level. Each is drawn
+    from a stream named by participant and cell, so that it does not depend on the order and number of cells. The other
+    traits are jointly normal. Those whose spread ends in ``_cv`` are normal on a logarithmic scale.
 
     Raises `InvalidParameter` if a spread is negative, a trait unknown, or the correlations are inconsistent.
 
-    - `modality_sd_db`: Standard deviation between people of the sensitivity to one modality (electrovibration, time
-      reversal).
-    - `condition_sd_db`: Standard deviation between people of the sensitivity in one cell of the design.
-    - `factor_sd_db`: The same for the levels of a factor, by its name.
-    - `effects_db`: Effect of a level of a factor on the sensation level of all people, by factor and level.
-    - `criterion_sd`: Standard deviation between people of the criterion, in units of the internal noise.
+    - `modality_sd_db`: Standard deviation between participants of the sensitivity to one modality (electrovibration,
+      time reversal).
+    - `condition_sd_db`: Standard deviation between participants of the sensitivity in one cell of the design.
+    - `factor_sd_db`: Standard deviation between participants of the sensitivity at the levels of a factor, by its name.
+    - `effects_db`: Effect of a level of a factor on the sensation level of all participants, by factor and level.
+    - `criterion_sd`: Standard deviation between participants of the criterion, in units of the internal noise.
     - `exponent_cv`: Coefficient of variation of the transducer's exponent, which sets the width of the psychometric
       function.
     - `lapse_cv`: Coefficient of variation of the lapse rate.
@@ -168,11 +169,11 @@ class People:
 
     @property
     def deviation_sd_db(self) -> float:
-        """Standard deviation of a person's deviation in a cell of one modality."""
+        """Standard deviation of deviations in a cell of one modality."""
         return hypot(self.modality_sd_db, self.condition_sd_db, *self.factor_sd_db.values())
 
     def traits(self, rng: np.random.Generator) -> Traits:
-        """Draw the traits of one person."""
+        """Draw the traits of one participant."""
         drawn = rng.standard_normal(len(TRAITS))
         if self.correlations:
             drawn = _cholesky(correlation_matrix(self.correlations)) @ drawn
@@ -189,14 +190,14 @@ class People:
         )
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Refuse names that are no factor or level of a study."""
+        """Refuse names that are not factors or levels of a study."""
         check_keys(self.factor_sd_db, factors, f"{path}.factor_sd_db", "factor")
         check_keys(self.effects_db, factors, f"{path}.effects_db", "factor")
         for name, of_level in self.effects_db.items():
             check_keys(of_level, list(map(cell_text, factors[name])), f"{path}.effects_db.{name}", "level", LOST_LEVEL)
 
     def deviation_db(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> float:
-        """Return a person's deviation from the skin model in a cell, dB."""
+        """Return the deviation of a participant from the skin model in a cell, dB."""
         levels = {name: cell_text(level) for name, level in factors.items()}
         of_everybody = sum(self.effects_db.get(name, {}).get(text, 0.0) for name, text in levels.items())
         cell = ", ".join(f"{name}={levels[name]}" for name in sorted(levels))
@@ -211,7 +212,7 @@ class People:
 
 
 def correlation_matrix(pairs: Mapping[str, Mapping[str, float]]) -> NDArray[np.float64]:
-    """Return the correlations of all traits, from those of pairs.
+    """Return the correlations of all traits from those of pairs.
 
     >>> correlation_matrix({"sensitivity": {"criterion": 0.5}})[:2, :2].tolist()
     [[1.0, 0.5], [0.5, 1.0]]
@@ -240,7 +241,7 @@ def _check_correlations(pairs: Mapping[str, Mapping[str, float]]) -> None:
 
 
 def _cholesky(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a lower root of a matrix that may be singular."""
+    """Return a Cholesky factor of a matrix that may be singular."""
     n, root = len(matrix), np.zeros_like(matrix)
     for j in range(n):
         rest = matrix[j:, j] - root[j:, :j] @ root[j, :j]

@@ -29,19 +29,19 @@ class PsychometricObserver(ObserverWithTraits):
     """Observer with a stated psychometric function ``psi(level)``.
 
     Threshold and width are in the unit of the level. In a forced choice of m with one stimulus, the stimulus is chosen
-    with probability ``1 / m + (1 - 1 / m - lapse_rate) F(level)``; of several stimuli, the highest is chosen after
-    adding normal noise that corresponds to the width.
-    Schuett, Harmeling, Macke and Wichmann, Vision Research 122 (2016), 105-123.
+    with probability ``1 / m + (1 - 1 / m - lapse_rate) F(level)``. Among several stimuli, the highest is chosen after
+    adding normal noise that corresponds to the width. Schuett, Harmeling, Macke and Wichmann, Vision Research 122
+    (2016), 105-123.
 
-    - `threshold`: Level at which the unscaled function is 0.5, where `conditions` sets no other.
-    - `width`: Distance of levels between 0.05 and 0.95 of the unscaled function, where `conditions` sets no other.
-    - `conditions`: Each with levels of factors, and the ``threshold`` and ``width`` that hold there; the last that fits
-      counts.
+    - `threshold`: Level at which the unscaled function is 0.5, unless `conditions` states another.
+    - `width`: Distance of levels between 0.05 and 0.95 of the unscaled function, unless `conditions` states another.
+    - `conditions`: Levels of factors, each with the ``threshold`` and ``width`` that apply there. The last matching
+      condition applies.
     - `shape`: One of the shapes of `tactometry.psychometric` on linear levels.
-    - `false_alarm_rate`: Rate of yes without a stimulus: the lower asymptote of yes/no.
+    - `false_alarm_rate`: Rate of the answer yes without a stimulus: the lower asymptote of yes/no.
     - `lapse_rate`: Distance of the upper asymptote from 1.
-    - `sensitivity_db`: Decrease of the thresholds of this person.
-    - `between_sd_db`: Standard deviation of the sensitivity between people.
+    - `sensitivity_db`: Decrease of the thresholds of this participant.
+    - `between_sd_db`: Standard deviation of the sensitivity between participants.
     - `latency_s`: Median time to answer.
     """
 
@@ -67,7 +67,7 @@ class PsychometricObserver(ObserverWithTraits):
             positive(where, width=convert(float, of.get("width", self.width), f"{where}.width"))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Refuse a condition that names no factor or level of a study."""
+        """Refuse a condition with names that are not factors or levels of a study."""
         for n, of in enumerate(self.conditions):
             where = f"{path}.conditions[{n}]"
             check_keys(of, (*factors, "threshold", "width"), where)
@@ -75,7 +75,7 @@ class PsychometricObserver(ObserverWithTraits):
                 one_of(f"{where}.{name}", cell_text(of[name]), list(map(cell_text, factors[name])))
 
     def stated(self, factors: Mapping[str, float | str]) -> Feeling:
-        """Return how this person feels a cell, relative to the usual width."""
+        """Return this participant's sensitivity in a cell, in usual widths."""
         there = {"threshold": self.threshold, "width": self.width}
         levels = {name: cell_text(level) for name, level in factors.items()}
         for of in self.conditions:
@@ -97,7 +97,7 @@ class PsychometricObserver(ObserverWithTraits):
         )
 
     def shifted(self, shift: Shift) -> Self:
-        """Return this participant in one trial. The criterion stays."""
+        """Return this participant in one trial. The criterion does not change."""
         highest = ALMOST_ALL - self.false_alarm_rate
         return replace(self, lapse_rate=min(responses.either(self.lapse_rate, min(shift.lapse_rate, highest)), highest))
 

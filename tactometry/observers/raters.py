@@ -29,16 +29,16 @@ class Raters:
     An attitude is the sum of the stated effects, of `liking` times the liking of the stimulus strength, and of random
     deviations of the person: general, by dimension, and by dimension and stimulus. All numbers are choices.
 
-    - `loading`: Loading of every item that `loadings` does not name.
+    - `loading`: Loading of every item that is not in `loadings`.
     - `loadings`: Loading of single items, by the item's id.
     - `noise`: Standard deviation of the noise of an item.
     - `liking`: Weight of the liking of the stimulus strength, which the observer returns.
-    - `attitude_sd`: Standard deviation between people of their attitude to everything.
-    - `dimension_sd`: Standard deviation between people of their attitude to a dimension.
-    - `stimulus_sd`: Standard deviation between people of their attitude to a dimension of one stimulus.
-    - `extremity_cv`: Spread between people of the factor by which they use the scale, on a logarithmic scale.
-    - `acquiescence_sd`: Standard deviation between people of the shift of all their answers to the right.
-    - `effects`: Effect of a level of a factor on the attitude of all people, by factor, level and dimension.
+    - `attitude_sd`: Standard deviation between participants of their general attitude.
+    - `dimension_sd`: Standard deviation between participants of their attitude to a dimension.
+    - `stimulus_sd`: Standard deviation between participants of their attitude to a dimension of one stimulus.
+    - `extremity_cv`: Spread between participants of the factor by which they use the scale, on a logarithmic scale.
+    - `acquiescence_sd`: Standard deviation between participants of the shift of all their answers to the right.
+    - `effects`: Effect of a level of a factor on the attitude of all participants, by factor, level and dimension.
     """
 
     loading: Loading = 0.8
@@ -55,7 +55,7 @@ class Raters:
     def check(
         self, factors: Mapping[str, Sequence[float | str]], dimension_of: Mapping[str, Mapping[str, str]], path: str
     ) -> None:
-        """Refuse names that are no factor, level, item or dimension of a study."""
+        """Refuse unknown names of factors, levels, items and dimensions."""
         items = {item: name for of_form in dimension_of.values() for item, name in of_form.items()}
         check_keys(self.loadings, items, f"{path}.loadings", "item")
         check_keys(self.effects, factors, f"{path}.effects", "factor")
@@ -66,7 +66,7 @@ class Raters:
                 check_keys(of_level, dimensions, f"{path}.effects.{name}.{level}", "dimension")
 
     def attitude(self, dimension: str, factors: Factors, draws: Draws) -> float:
-        """Return a person's attitude to a dimension of a cell."""
+        """Return the attitude of a participant to a dimension of a cell."""
         levels = {name: cell_text(level) for name, level in factors.items()}
         of_everybody = sum(
             self.effects.get(name, {}).get(text, {}).get(dimension, 0.0) for name, text in levels.items()
@@ -82,11 +82,11 @@ class Raters:
 
 @dataclass(frozen=True)
 class Rater:
-    """One rater.
+    """Simulated rater.
 
-    - `draws`: Random streams of the person.
+    - `draws`: Random streams of the participant.
     - `dimension_of`: Dimension of each item, by questionnaire.
-    - `factors_of`: Cell of what was felt.
+    - `factors_of`: Cell of the felt stimulus.
     """
 
     raters: Raters

@@ -8,9 +8,9 @@ import numpy as np
 COMFORT_DB: Final = 15.0
 COMFORT_RANGE_DB: Final = 25.0
 HIGHEST_DB: Final = 300.0
-"""Higher sensation levels are reported as this level."""
+"""Level as which higher sensation levels are reported."""
 MOST_LAPSES: Final = 0.5
-"""Largest lapse rate drawn for a person."""
+"""Largest lapse rate drawn for a participant."""
 ALMOST_ALL: Final = 0.999999
 """Largest rate of lapses, or of lapses and guesses together."""
 LATENCY_CV: Final = 0.3
@@ -36,7 +36,7 @@ def magnitude(level_db: float) -> float:
 
 
 def in_words(number: float) -> float:
-    """Round a number to three digits, as people state numbers.
+    """Round a number to three digits, as participants state numbers.
 
     >>> in_words(1234.5)
     1230.0

@@ -28,13 +28,13 @@ class SignalDetectionObserver(ObserverWithTraits):
 
     - `criterion`: Decision criterion in units of the internal noise, above 0.
     - `exponent`: Exponent of the transducer, above 0.
-    - `lapse_rate`: Share of the trials that are answered at random, in [0, 1).
+    - `lapse_rate`: Fraction of trials that are answered at random, in [0, 1).
     - `sensitivity_db`: Sensitivity of this participant relative to the reference, in dB of sensation level.
     - `between_sd_db`: Standard deviation of `sensitivity_db` between participants (see `participant`).
-    - `bias`: Added to the criterion in yes/no tasks, in units of the internal noise: above 0, fewer false alarms and
-      hits.
-    - `number_factor`: Ratio of a number given for a magnitude to d'.
-    - `latency_s`: Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
+    - `bias`: Addition to the criterion in yes/no tasks, in units of the internal noise. Above 0, there are fewer false
+      alarms and hits.
+    - `number_factor`: Ratio of a number stated for a magnitude to d'.
+    - `latency_s`: Median time to answer. Answer times are log-normal with a coefficient of variation near 0.3.
     """
 
     criterion: Positive = 1.645
@@ -73,7 +73,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         return float(min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6))
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        # draw all numbers, used or not, so that the generator's state is the same after any answer
+        # draw all numbers, used or not, so that the generator's state does not depend on the answer
         noise, lapses, guess = rng.standard_normal(), rng.random() < self.lapse_rate, rng.random() < 0.5
         return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion + self.bias)
 
@@ -86,8 +86,9 @@ class SignalDetectionObserver(ObserverWithTraits):
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
         """Return the most likely alternative, in equal independent noise.
 
-        Alternatives are known by their d' at each place of the skin. It is the one whose d' are nearest to what is
-        felt; of two, ``Phi(D / 2)`` are right, where D is the distance of their d'; Green and Swets (1966), chapter 9.
+        The observer knows the d' of each alternative at each place of the skin, and reports the alternative whose d'
+        are nearest to the sensation. With two alternatives, ``Phi(D / 2)`` of the answers are right, where D is the
+        distance of their d' (Green and Swets, 1966, chapter 9).
         """
         expected = np.array([[self.d_prime(level) for level in levels] for levels in alternatives_db])
         felt = expected[n_felt] + rng.standard_normal(expected.shape[1])

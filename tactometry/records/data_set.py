@@ -1,6 +1,7 @@
-"""A data set on disk in the form of Psych-DS: one journal and one trials file per session.
+"""Data set on disk, as in Psych-DS: a journal and a trials file per session.
 
-The journal is the source; trials file and descriptions are derived from it and the study, and can be rebuilt.
+The journal is the source. The trials file and the descriptions are derived from the journal and the study, and can
+be rebuilt.
 """
 
 from collections.abc import Sequence
@@ -26,7 +27,7 @@ LARGEST_NUMBER = 999_999_999
 
 @dataclass(frozen=True)
 class Session:
-    """One session of one participant.
+    """Session of one participant.
 
     Raises `InvalidParameter` if the code is not 1 to 32 letters and digits, or the session number is below 1.
     """
@@ -36,7 +37,7 @@ class Session:
     study: str
 
     def __post_init__(self) -> None:
-        code = "a code of 1 to 32 letters and digits (A-Z, a-z, 0-9), such as P01: no names, no paths"
+        code = "a code of 1 to 32 letters and digits (A-Z, a-z, 0-9), such as P01, but not a name or a path"
         expect(PARTICIPANT.fullmatch(self.participant) is not None, "participant", repr(self.participant), code)
         expect(self.session >= 1, "session", self.session, "a number from 1")
         expect(self.session <= LARGEST_NUMBER, "session", self.session, f"a number up to {LARGEST_NUMBER}")
@@ -65,7 +66,7 @@ _MEASURED = tuple(field.name for field in fields(Trial) if field.name not in ("f
 
 
 def values_of(trial: Trial, session: Session, rig: str) -> dict[str, Value]:
-    """Return the values of a trial by the name of their column."""
+    """Return the values of a trial by column name."""
     return {
         **vars(session),
         "rig": rig,
@@ -88,14 +89,15 @@ def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Seq
 def refuse_links(root: Path) -> None:
     """Refuse a data set whose folders are links, before writing or erasing."""
     for part in PARTS:
-        it = "the folder itself; put what the link leads to in its place"
+        it = "the folder itself; replace the link by its target"
         expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
 
 
 def prepare(root: Path, design: StudyDescription) -> None:
-    """Make the folders and files that all sessions share.
+    """Create the folders and files that all sessions share.
 
-    Raises `InvalidFile` if the folder contains another study, other numbers of this one, something else, or a link.
+    Raises `InvalidFile` if the folder contains another study, a modified version of this study, other files, or a
+    link.
     """
     refuse_links(root)
     for folder in (root, root / "data", root / "journals"):
@@ -103,16 +105,16 @@ def prepare(root: Path, design: StudyDescription) -> None:
     path = root / "study.toml"
     alone = "the description of a data set without its study.toml"
     is_whole = path.exists() or not (root / NAME).exists()
-    expect(is_whole, root / NAME, alone, "both or none; give another --out folder", InvalidFile)
+    expect(is_whole, root / NAME, alone, "both or none; choose another --out folder", InvalidFile)
     write_first(path, design.study_toml)
     is_same = read_file(path, "the study that ran") == design.study_toml
-    other = "another study or other numbers than those that are to run"
-    same = "the same bytes; give another --out folder, or run the study.toml of this one"
+    other = "another study, or other settings than the study to run"
+    same = "the same bytes; choose another --out folder, or run the study.toml of this folder"
     expect(is_same, path, other, same, InvalidFile)
 
 
 def keys_of(stem: str) -> dict[str, str]:
-    """Return what the name of a file of a data set says, by key.
+    """Return the keys in the file name of a data set, and their values.
 
     >>> keys_of("participant-P01_session-1_study-tutorial_data")
     {'participant': 'P01', 'session': '1', 'study': 'tutorial'}
@@ -135,12 +137,12 @@ REBUILD = "rewrite it with tactometry rebuild"
 
 
 def is_beginning(existing: bytes, expected: bytes) -> bool:
-    """Return True if a file is the beginning of the expected one, as a crash may leave it, with zero bytes behind."""
+    """Return True if a file is a beginning of the expected file."""
     return expected.startswith(existing.rstrip(b"\0"))
 
 
 def first_difference(existing: bytes, expected: bytes) -> int | None:
-    """Return the first line, from 1, in which two files differ; None if they are equal."""
+    """Return the first line, from 1, in which two files differ, or None."""
     if existing == expected:
         return None
     pairs = zip(existing.split(b"\n"), expected.split(b"\n"), strict=False)
@@ -150,7 +152,10 @@ def first_difference(existing: bytes, expected: bytes) -> int | None:
 
 
 def disagreement(existing: bytes, expected: bytes) -> tuple[int, str] | None:
-    """Return the first line, from 1, in which a derived file differs from its journal, and how; None if equal."""
+    """Return where and how a derived file first differs from its journal.
+
+    The line counts from 1. Returns None if the file agrees.
+    """
     row = first_difference(existing, expected)
     if row is None:
         return None

@@ -1,4 +1,4 @@
-"""The description of a data set after Psych-DS: study, columns, and whether its data are simulated."""
+"""Description of a data set as in Psych-DS, of its study and columns."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ SENTENCE: Final = "Simulated participants: no person took part."
 
 @dataclass(frozen=True)
 class StudyDescription:
-    """Study metadata in a data set; `study_toml` are the bytes that ran."""
+    """Study metadata in a data set. `study_toml` contains the bytes of the study file."""
 
     study: str
     title: str
@@ -44,9 +44,9 @@ def description(design: StudyDescription) -> dict[str, object]:
 
 
 def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> None:
-    """Write or complete the description of a data set; a person's additions stay.
+    """Write or complete the description of a data set, keeping manual additions.
 
-    Raises `InvalidFile` if there is something else in its place.
+    Raises `InvalidFile` if the file has another content.
     """
     path = root / NAME
     there = read_description(path) if path.exists() else None
@@ -77,7 +77,7 @@ def read_description(path: Path) -> dict[str, object]:
 def variable_names(described: Mapping[str, Any]) -> list[str]:
     """Return the names of the columns that a description explains.
 
-    Raises `InvalidParameter` if an entry is no object with a name.
+    Raises `InvalidParameter` if an entry is not an object with a name.
     """
     names: list[str] = []
     for n, variable in enumerate(described["variableMeasured"]):
@@ -89,7 +89,7 @@ def variable_names(described: Mapping[str, Any]) -> list[str]:
 
 
 def as_simulated(described: Mapping[str, object]) -> dict[str, object]:
-    """Return a description that says that its data are simulated.
+    """Return a description that states that its data are simulated.
 
     >>> as_simulated({"description": "A study."})["description"]
     'A study. Simulated participants: no person took part.'
@@ -103,13 +103,13 @@ def as_simulated(described: Mapping[str, object]) -> dict[str, object]:
 
 
 def says_simulated(described: Mapping[str, object]) -> bool:
-    """Return True if a description says that its data are simulated."""
+    """Return True if a description states that its data are simulated."""
     keywords = described.get("keywords")
     return isinstance(keywords, list) and KEYWORD in keywords
 
 
 def describe_columns(path: Path, columns: Sequence[Column]) -> None:
-    """Describe every column of a table; a file with the same columns stays as it is."""
+    """Describe every column of a table, unless its description is up to date."""
     if not path.exists() or _column_names(read_file(path, "the description of a table")) != [c.name for c in columns]:
         table = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}
         write_atomically(path, pretty(table))

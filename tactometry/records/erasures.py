@@ -1,7 +1,8 @@
-"""Record of erasures: a line of `erasures.jsonl` for each, and the plan of an unfinished one.
+"""Record of erasures: `erasures.jsonl` with one line for each erasure.
 
-A line contains the participant's code, because the laboratory must prove the requested erasure, and because the code
-may be assigned again. A code identifies no person once it is removed from the list of codes and names.
+It also contains the plan of an unfinished erasure. A line contains the participant's code, because the laboratory
+must prove the requested erasure, and because the code may be assigned again. A code does not identify a person once
+it is removed from the list of codes and names.
 """
 
 import os
@@ -21,12 +22,12 @@ from .description import NAME
 
 RECORD: Final = "erasures.jsonl"
 LOCK: Final = ".erasures.lock"
-"""Lock that allows one erasure at a time, as two would lose a line of the record."""
+"""Lock that allows one erasure at a time. Two erasures at once would lose a line of the record."""
 
 
 @dataclass(frozen=True)
 class Erasure:
-    """One participant, erased once; `files` are those of an unfinished erasure."""
+    """Erasure of one participant. `files` are those of an unfinished erasure."""
 
     participant: str
     begun_utc: str
@@ -38,7 +39,7 @@ class Erasure:
 
 
 def read_erasures(root: Path) -> tuple[Erasure, ...]:
-    """Read the record of a data set; empty if nothing was erased."""
+    """Read the record of a data set, empty if nothing was erased."""
     path = root / RECORD
     if not os.path.lexists(path):
         return ()
@@ -47,13 +48,13 @@ def read_erasures(root: Path) -> tuple[Erasure, ...]:
 
 
 def _erasure(line: bytes, where: str) -> Erasure:
-    """Decode a line; refuse participants that are not codes, such as hashes."""
+    """Decode a line. Refuse participants that are not codes, such as hashes."""
     try:
         erasure = msgspec.json.decode(line, type=Erasure)
         if not PARTICIPANT.fullmatch(erasure.participant):
-            raise msgspec.ValidationError(f"the participant {erasure.participant!r:.40} is no code")
+            raise msgspec.ValidationError(f"the participant {erasure.participant!r:.40} is not a code")
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        text = f"found no erasure ({error}), expected a line that tactometry erase wrote; restore it from a copy"
+        text = f"found no erasure ({error}), expected a line of tactometry erase; restore it from a copy"
         raise InvalidFile(f"{where}: {text}") from None
     return erasure
 
@@ -67,20 +68,22 @@ def unfinished(erasures: Sequence[Erasure], participant: str) -> Erasure | None:
 
 
 def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) -> None:
-    """Refuse participants who were erased, unless that is allowed; case makes no difference.
+    """Refuse erased participants, unless that is allowed. Ignores case.
 
     An unfinished erasure is always refused, because it would erase the new session too.
 
-    Raises `InvalidParameter` if one was erased, `InvalidFile` if the record is damaged.
+    Raises `InvalidParameter` if a participant was erased, `InvalidFile` if the record is damaged.
     """
     lines = sorted(enumerate(read_erasures(root), 1), key=lambda line: line[1].finished_utc is None)
-    erased = {erasure.participant.casefold(): (number, erasure) for number, erasure in lines}  # unfinished ones win
+    erased = {
+        erasure.participant.casefold(): (number, erasure) for number, erasure in lines
+    }  # unfinished erasures have priority
     for code in codes if erased else ():
         number, erasure = erased.get(code.casefold(), (0, None))
         if erasure is None or (allowed and erasure.finished_utc is not None):
             continue
         found, expected = f"that {erasure.participant} was erased at {erasure.finished_utc}", "another participant"
-        way = "give another code or --out, or --allow-erased to record this participant again"
+        way = "choose another code or --out, or add --allow-erased to record this participant again"
         if erasure.finished_utc is None:
             found, expected = f"an unfinished erasure of {erasure.participant}", "a finished one"
             way = f"repeat tactometry erase {root} --participant {erasure.participant}"
@@ -88,7 +91,7 @@ def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) ->
 
 
 class Withdrawal:
-    """Files and folders that a session creates, and removes if nothing was recorded.
+    """Files and folders that a session creates, removed if nothing was recorded.
 
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder:
@@ -105,12 +108,12 @@ class Withdrawal:
         files = (session.trials(root), session.sidecar(root), events, events.with_suffix(".json"))
         self._journal = session.journal(root)
         folders = (self._journal.parent, root / "data")
-        # A folder that another session uses is not empty: keep it and its parents.
+        # a folder that another session uses is not empty: keep it and its parents
         ordered = (*files, self._journal, *folders, root / "study.toml", root / NAME, root)
         self._created = tuple(path for path in ordered if not path.exists())
 
     def undo(self) -> None:
-        """Remove what was created since, unless the journal has a line."""
+        """Remove what was created since the start, unless the journal has a line."""
         if self._journal.exists() and self._journal.stat().st_size:
             return
         with suppress(OSError):  # files and folders in use stay

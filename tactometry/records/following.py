@@ -1,6 +1,6 @@
-"""Follow a journal that another process writes: read-only, each line once.
+"""Reader of a journal that another process writes: each line once.
 
-A journal that is resumed with ``--resume`` may be shorter than before, or another file. The last line is therefore read
+A journal that is continued with ``--resume`` may be shorter than before, or another file. So the last line is read
 again together with new lines: its checksum covers all lines before it.
 """
 
@@ -17,7 +17,10 @@ Stamp = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class News:
-    """Lines since the last look; `anew` if they begin the journal, `complete` if it has ended."""
+    """Lines since the last call.
+
+    `anew` is True if they begin the journal, `complete` if the journal has ended.
+    """
 
     lines: tuple[Line, ...]
     anew: bool
@@ -26,7 +29,7 @@ class News:
 
 @dataclass
 class Follower:
-    """Reads a journal again and again."""
+    """Reader that reads a journal again and again."""
 
     path: Path
     _place: Reached = field(default_factory=Reached, init=False)
@@ -34,9 +37,10 @@ class Follower:
     _stamp: Stamp | None = field(default=None, init=False)
 
     def news(self) -> News | None:
-        """Return what is new since the last call, or None. After an error the next call begins anew.
+        """Return the lines since the last call, or None.
 
-        Raises `InvalidFile` if the journal cannot be read, or a line is damaged.
+        After an error the next call starts from the beginning. Raises `InvalidFile` if the journal cannot be read,
+        or a line is damaged.
         """
         try:
             return self._look()

@@ -1,7 +1,7 @@
-"""Head of a sitting: journal line with participant, study, devices and format.
+"""Head of a sitting: journal line with participant, study and devices.
 
-A session keeps the format that it began with. Format 1 has one head, no reasons, and questionnaires after a block
-without its condition; its tables lack the columns `ADDED`. Devices, limits and versions may change between sittings;
+A session keeps the format with which it began. Format 1 has one head, no reasons, and questionnaires after a block
+without its condition. Its tables lack the columns `ADDED`. Devices, limits and versions may change between sittings.
 `changes` lists the differences.
 """
 
@@ -29,9 +29,9 @@ ADDED_FACTS: Final = frozenset(("charge_c",))
 """Columns of trials, and of events, added in format 2."""
 LARGEST_SEED = 2**63 - 1
 VARYING: Final = re.compile(r"(^|_)n_|(_offset_s|_minus_clock_s|_latency_s|_measured_s|_failure)$")
-"""Names of counts, clocks and measurements, which differ in every sitting and are not reported as changes."""
+"""Names of counts, clocks and measurements. They differ in every sitting and are not reported as changes."""
 SAME_PERIOD: Final = 0.02
-"""Frame periods with a smaller relative difference belong to the same screen."""
+"""Relative difference below which two frame periods belong to the same screen."""
 _SITTING: Final = b'{"sitting":'
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 
@@ -63,16 +63,16 @@ class Head:
 
 
 def head_of(value: object, first: Head | None = None) -> Head:
-    """Decode a head, and compare it with `first`, the head of the first sitting.
+    """Decode a head, and compare it with the head of the first sitting.
 
-    Raises `msgspec.ValidationError` if it is invalid, belongs to another session, or has a later format.
+    Raises `msgspec.ValidationError` if the head is invalid, belongs to another session, or has a later format.
     """
     head = msgspec.convert(value, Head)
     for name, holds in _conditions(head).items():
         if not holds:
             raise msgspec.ValidationError(f"the {name} {getattr(head, name)!r}")
     if first is not None and (head.whose, head.format) != (first.whose, first.format):
-        raise msgspec.ValidationError("a sitting of another session than the first line's")
+        raise msgspec.ValidationError("a sitting of a different session than the first line")
     return head
 
 
@@ -120,11 +120,11 @@ def heads(path: Path) -> tuple[Head, ...]:
         values = [msgspec.json.decode(line) for line in lines]
         return tuple(head_of(value.get("sitting", value)) for value in values)
     except (msgspec.DecodeError, UnicodeDecodeError, AttributeError, RecursionError) as error:
-        raise InvalidFile(f"{path}: found a damaged head ({error}), expected those that the journal wrote") from None
+        raise InvalidFile(f"{path}: found a damaged head ({error}), expected a head as the journal wrote it") from None
 
 
 def differences(before: Head, after: Head) -> list[str]:
-    """Return one phrase for each difference between two sittings.
+    """Return a phrase for each difference between two sittings.
 
     >>> first = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 200.0})
     >>> second = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 400.0})
@@ -153,8 +153,8 @@ def _words(fact: Fact) -> str:
 
 
 def changes(heads: Sequence[Head]) -> Iterator[str]:
-    """Yield a sentence for each sitting that differs from the one before it."""
+    """Yield a sentence for each sitting that differs from the previous one."""
     for number, (before, after) in enumerate(pairwise(heads), 2):
         phrases = differences(before, after)
         if phrases:
-            yield f"sitting {number} differs from the one before: {'; '.join(phrases)}"
+            yield f"sitting {number} differs from the previous one: {'; '.join(phrases)}"

@@ -1,8 +1,8 @@
-"""The lines of a journal: every request with its answer, and every event, in order, as JSON.
+"""Lines of a journal: all requests with answers, and all events, as JSON.
 
-The first line is the head of the first sitting; each later sitting begins with a head too. Each line ends with the
-CRC-32 of everything before it, so that damaged and missing lines are found. A trial (`Record`) is flushed and fsynced
-before `append` returns; an unfinished last line is cut off on resume.
+The first line is the head of the first sitting, and each later sitting begins with a head too. Each line ends with
+the CRC-32 of everything before it, so that damaged and missing lines are detected. A trial (`Record`) is flushed and
+fsynced before `append` returns. An unfinished last line is removed on resume.
 """
 
 import zlib
@@ -37,7 +37,7 @@ _MAY: Final[Mapping[str, set[str]]] = {"event": {"duration_s"}}
 
 
 class Entry(NamedTuple):
-    """A request with its answer."""
+    """Request with its answer."""
 
     request: Request[Any]
     answer: Any
@@ -48,9 +48,9 @@ Line = Head | Entry | Event | Marked
 
 @dataclass(frozen=True)
 class Recording:
-    """A journal up to its last whole line, with `n_torn_bytes` of an unfinished one behind it.
+    """Journal up to its last complete line, followed by `n_torn_bytes`.
 
-    `lines` begin with the head of the first sitting; `complete`: the session has ended.
+    `lines` begin with the head of the first sitting. `complete` is True if the session has ended.
     """
 
     lines: tuple[Line, ...]
@@ -80,12 +80,12 @@ class Recording:
 
     @property
     def event_rows(self) -> tuple[Event, ...]:
-        """Rows of the events table: the events, and what follows from requests, in order."""
+        """Rows of the events table: events, and those that follow from requests."""
         events = (line if isinstance(line, Event) else consequence(line) for line in self.lines)
         return tuple(event for event in events if event is not None)
 
     def replay(self, where: str) -> Replay:
-        """Return a rig that answers as recorded; `where` names the journal."""
+        """Return a rig that answers as recorded. `where` names the journal."""
         lasted_s = max((event.at_s for event in self.events), default=0.0)
         numbers = [number for number, line in enumerate(self.lines, 1) if isinstance(line, Entry)]
         kept = partial(as_kept, journal_format=self.format)
@@ -93,13 +93,13 @@ class Recording:
 
     @property
     def marked(self) -> Marked | None:
-        """Marks on the page of a questionnaire that is under way."""
+        """Marks on the unfinished page of a questionnaire."""
         behind = takewhile(lambda line: not isinstance(line, Entry), reversed(self.lines))
         return next((line for line in behind if isinstance(line, Marked)), None)
 
     @property
     def trials(self) -> tuple[Trial, ...]:
-        """Rows of the trials table; a trial that was taken back later is not valid."""
+        """Rows of the trials table. A retracted trial is not valid."""
         return rows(entry.request for entry in self.entries)
 
     @property
@@ -116,7 +116,10 @@ class Recording:
 
 
 def consequence(line: Line) -> Event | None:
-    """Return the event of a row that ends something unfinished, an intervention or a missed practice, else None."""
+    """Return the event that follows from a request, or None.
+
+    Such requests abort something, are interventions, or decide on a failed practice.
+    """
     match line:
         case Entry(Record(trial, aborted), Done(at_s)) if aborted is not None:
             facts: dict[str, Fact] = {"block": trial.block, "trial": trial.trial, "attempt": trial.attempt}
@@ -130,7 +133,7 @@ def consequence(line: Line) -> Event | None:
 
 
 def encode(value: dict[str, object], before: int = 0) -> bytes:
-    """Encode one line with its checksum, behind lines of the checksum `before`."""
+    """Encode a line with its checksum, after lines with the checksum `before`."""
     body = msgspec.json.encode(value)[:-1]
     return b'%s,"crc32":"%08x"}\n' % (body, zlib.crc32(body, before))
 
@@ -138,17 +141,17 @@ def encode(value: dict[str, object], before: int = 0) -> bytes:
 def encode_entry(request: Request[Any], answer: object, before: int = 0) -> bytes:
     """Encode a request and its answer.
 
-    Raises `DeviceFailed` if they would not read back unchanged, or the answer is none to that request.
+    Raises `DeviceFailed` if decoding would not restore them, or if the answer does not match the request.
     """
     line = encode({"request": type(request).__name__, "asked": request, "answer": answer}, before)
     try:
-        loss = None if decode_entry(msgspec.json.decode(line)) == (request, answer) else "it would be another"
+        loss = None if decode_entry(msgspec.json.decode(line)) == (request, answer) else "decoding would change it"
     except msgspec.ValidationError as error:
         loss = str(error)
     if loss is not None:
         raise DeviceFailed(
-            f"journal: {request} with {answer} cannot be kept without loss, expected finite numbers and an answer to "
-            f"what was asked ({loss}); a device returned something else: check it, then continue with --resume"
+            f"journal: {request} with {answer} cannot be stored without loss, expected finite numbers and an answer "
+            f"to the request ({loss}); check the device that returned it, then continue with --resume"
         )
     return line
 
@@ -169,27 +172,26 @@ def _table(line: bytes, before: int, where: str) -> dict[str, Any]:
     body, mark, tail = line.rpartition(b',"crc32":"')
     if not mark or tail != b'%08x"}' % zlib.crc32(body, before):
         raise InvalidFile(
-            f"{where}: the line is damaged, or one before it is missing (its checksum does not fit), expected a line "
-            "as the journal wrote it; restore the file from a copy"
+            f"{where}: the line is damaged, or an earlier line is missing (wrong checksum), expected a line as "
+            "the journal wrote it; restore the file from a copy"
         )
     try:
         value: dict[str, Any] = msgspec.json.decode(body + b"}", type=dict[str, Any])
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InvalidFile(
-            f"{where}: found no table in JSON ({error}), expected a line as the journal wrote it"
-        ) from None
+        raise InvalidFile(f"{where}: found no JSON object ({error}), expected a line as the journal wrote it") from None
     return value
 
 
 def checksum(line: bytes) -> int:
-    """Return the checksum of a written line and all before it."""
+    """Return the checksum of a written line and all lines before it."""
     return int(line.rstrip(b"\n")[-10:-2], 16)
 
 
 def read(path: Path) -> Recording:
     """Read a journal without changing it.
 
-    Raises `InvalidFile` if it cannot be read, or a line other than an unfinished last one is damaged or out of place.
+    An unfinished last line is allowed. Raises `InvalidFile` if the file cannot be read, or another line is damaged
+    or out of place.
     """
     return decode_journal(read_file(path, "a journal"), path)
 
@@ -201,7 +203,10 @@ def decode_journal(content: bytes, path: Path) -> Recording:
 
 @dataclass(frozen=True)
 class Reached:
-    """How far a journal was read: bytes, lines, checksum, first head, and whether the session has ended."""
+    """Position in a journal, and what was read before it.
+
+    It consists of bytes, lines, checksum, first head, and whether the session has ended.
+    """
 
     n_bytes: int = 0
     n_lines: int = 0
@@ -211,7 +216,7 @@ class Reached:
 
 
 def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[tuple[Line, ...], Reached]:
-    """Decode the whole lines behind a place; return them and the new place.
+    """Decode the complete lines after a position. Return also the new position.
 
     Raises `InvalidFile` if a line is damaged or out of place.
     """
@@ -224,7 +229,7 @@ def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[t
 
 
 def _next_line(whole: bytes, path: Path, place: Reached) -> tuple[Line | None, Reached]:
-    """Decode the line behind a place (None: the end), and return the new place."""
+    """Decode the next line (None: the end) and return the new position."""
     where = f"{path}, line {place.n_lines + 1}"
     if place.complete:
         raise InvalidFile(f"{where}: found a line after the end of the session, expected none; remove it")
@@ -234,7 +239,7 @@ def _next_line(whole: bytes, path: Path, place: Reached) -> tuple[Line | None, R
     except msgspec.ValidationError as error:
         raise InvalidFile(
             f"{where}: found {error}, expected {'a request or event' if place.n_lines else 'the head'} of a journal "
-            f"of format {FORMAT}; read it with the version that wrote it"
+            f"of format {FORMAT}; use the version that wrote it"
         ) from None
     head = line if place.head is None and isinstance(line, Head) else place.head
     return line, Reached(place.n_bytes + len(whole) + 1, place.n_lines + 1, checksum(whole), head, line is None)
@@ -263,7 +268,7 @@ def _decode_line(table: dict[str, Any], head: Head | None) -> Line | None:
 def decode_entry(value: dict[str, Any]) -> Entry:
     """Decode a request and its answer.
 
-    Raises `msgspec.ValidationError` if they are none, or the answer is none to that request.
+    Raises `msgspec.ValidationError` if either is invalid, or if they do not match.
     """
     kind = REQUESTS.get(str(value.get("request")))
     if kind is None:
@@ -277,7 +282,7 @@ def decode_entry(value: dict[str, Any]) -> Entry:
 
 
 def _strictly(value: Any, kind: type[T]) -> T:
-    """Convert a value to a class; a key that the class does not know is refused."""
+    """Convert a value to a class, and refuse keys that are not its fields."""
     built = msgspec.convert(value, kind)
     _refuse_unknown(value, built)  # msgspec ignores unknown keys of a dataclass
     if isinstance(built, Record):

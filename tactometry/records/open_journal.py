@@ -22,23 +22,24 @@ from .head import Head
 from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
 
 _IN_USE: Final = (
-    "another process is writing this session, expected to be the only one; wait until it ends, or give another "
+    "another process is writing this session, expected no other process; wait until it ends, or choose another "
     "--session number"
 )
 LOCK_TRIES, LOCK_PAUSE_S = 5, 0.02
-"""Attempts to get a lock, as `is_written` holds it for microseconds."""
+"""Number of attempts to get a lock, because `is_written` holds it for microseconds."""
 LASTING: Final = (Record, Intervene)
-"""Requests whose answers survive an interruption: a journal is cut after the last of them."""
+"""Requests after which an interrupted journal is cut: everything up to the last one is kept."""
 
 
 class Journal:
-    """A journal that is open for writing, and locked against other processes.
+    """Journal that is open for writing, and locked against other processes.
 
-    With `resume`, the journal is cut back to its last recorded trial, or to a page that was read or filled in since.
-    `cut` is what was removed; the file `interruptions` keeps it. Events stay, and so do marks of the current page.
+    With `resume`, the journal is cut after its last recorded trial, or after a later page that was read or filled in.
+    `cut` contains what was removed, and the file `interruptions` stores it. Events stay, and so do marks of the current
+    page.
 
-    Without `syncs_trials` (simulated participants, who can be asked again) only head and end are synced: a killed
-    process loses nothing, a computer that stops may lose the last trials.
+    Without `syncs_trials` (for simulated participants, who can answer again) only head and end are synced. A killed
+    process then loses nothing, but a power failure may lose the last trials.
     """
 
     def __init__(self, path: Path, *, resume: bool, syncs_trials: bool = True) -> None:
@@ -47,8 +48,8 @@ class Journal:
         try:
             if not resume and path.stat().st_size > 0:
                 raise InvalidFile(
-                    f"{path}: this session has been recorded already, expected a new one; continue with --resume, or "
-                    "give another --session number"
+                    f"{path}: this session has already been recorded, expected a new session; continue with --resume, "
+                    "or choose another --session number"
                 )
             self.recording, self.cut = self._repair()
         except BaseException:
@@ -79,7 +80,7 @@ class Journal:
         return kept, cut
 
     def keep(self, **lost: object) -> None:
-        """Add a line to `interruptions` of what would be lost."""
+        """Append a line to `interruptions` with data that would be lost."""
         file = open_private(self.interruptions, os.O_WRONLY | NO_LINK)
         try:
             os.lseek(file, 0, os.SEEK_END)
@@ -88,7 +89,7 @@ class Journal:
             os.close(file)
 
     def _exchange(self, kept: bytes, behind: Sequence[Event | Head | Marked]) -> None:
-        """Replace the journal by what is kept and the lines behind it; it stays locked."""
+        """Replace the journal by the kept part and later lines, still locked."""
         lines = []
         for line in behind:
             lines.append(encode_line(line, self._before))
@@ -104,7 +105,7 @@ class Journal:
         return self.recording.replay(str(self.path))
 
     def begin(self, head: Head) -> None:
-        """Write the head of a sitting, unless it says nothing new."""
+        """Write the head of a sitting, unless it repeats the last one."""
         last = self.recording.sittings[-1:]
         if not last:
             self._write(encode(asdict(head), self._before), durable=True)
@@ -128,7 +129,7 @@ class Journal:
             self._write(encode({"end": "complete"}, self._before), durable=True)
 
     def keep_marks(self, marked: Marked) -> None:
-        """Keep marks of a page that is under way, without a sync, as each comes within a frame."""
+        """Store marks of an unfinished page, without a sync, as this runs in a frame."""
         self._write(encode_line(marked, self._before), durable=False)
 
     def close(self) -> None:
@@ -144,7 +145,10 @@ class Journal:
 
 
 def _until_last(kinds: tuple[type[Request[Any]], ...], lines: Sequence[Line]) -> tuple[Line, ...]:
-    """Return lines up to the last request of these kinds or the last marks, and what follows before another request."""
+    """Return the lines to keep of an interrupted journal.
+
+    They end with the last request of these kinds or the last marks, and the events after it.
+    """
     asked = [n for n, line in enumerate(lines) if isinstance(line, Entry)]
     last = max((n for n, line in enumerate(lines) if _is_kept(kinds, line)), default=-1)
     return tuple(lines[: next((n for n in asked if n > last), len(lines))])
@@ -157,7 +161,7 @@ def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:
 
 
 def _is_decision(request: Request[Any]) -> bool:
-    """Return True for a choice that decides how the session goes on."""
+    """Return True for a choice that decides how the session continues."""
     return isinstance(request, Choose) and request.question in (CONSENT, MISSED_PRACTICE)
 
 
@@ -173,7 +177,7 @@ def held(journals: Iterable[Path]) -> Iterator[None]:
 def is_written(path: Path) -> bool:
     """Return True while a process has a journal open for writing.
 
-    The lock is tried for a moment, which a session that begins just then waits for.
+    This locks the journal for a moment. A session that begins at this moment waits.
     """
     try:
         file = os.open(path, os.O_RDONLY)
@@ -190,16 +194,16 @@ def is_written(path: Path) -> bool:
 
 @contextmanager
 def alone(path: Path, in_use: str) -> Iterator[None]:
-    """Lock a file, which is removed at the end, against other processes.
+    """Lock a file against other processes, and remove it at the end.
 
-    Raises `SessionInUse`, with `in_use`, if another process has it.
+    Raises `SessionInUse`, with the message `in_use`, if another process has locked it.
     """
     file = _open_locked(path, in_use)
     try:
         yield
     finally:
         with suppress(OSError):  # on other systems than POSIX an open file cannot be removed
-            path.unlink()  # removed while locked, so that a waiting process notices and makes another
+            path.unlink()  # removed while locked, so that a waiting process notices and creates another
         os.close(file)
 
 

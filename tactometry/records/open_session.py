@@ -30,27 +30,27 @@ from .open_journal import Journal
 from .traces import TraceFiles
 
 POSITIONS_HEADER: Final = b"positions_digest\ttime_s\tposition_m\n"
-"""Times count from the position that the first sample of the stimulus followed."""
+"""Header of the positions file. Times count from the position that the first sample of the stimulus followed."""
 _STIMULUS: Final = b'{"event":"stimulus'
 _KINDS: Final = (_STIMULUS + b'"', _STIMULUS + b'_end"')
 
 
 def refuse_mixing(root: Path, rig: str) -> None:
-    """Raise `InvalidFile` if the folder has sessions of the other kind: simulated or real."""
+    """Refuse to store simulated and real sessions in one folder."""
     path = root / NAME
     if path.exists() and says_simulated(read_description(path)):
         held = {SIMULATED}
     else:
         held = {head.rig for journal in sessions(root) for head in heads(journal)[:1]}
     for other in sorted(held):
-        whom = "simulated participants" if other == SIMULATED else "people"
-        none = f"none next to those of the rig {rig!r}, because real and simulated data never share a folder"
+        whom = "simulated participants" if other == SIMULATED else "real participants"
+        none = f"none in the folder of rig {rig!r}, because real and simulated data are kept apart"
         is_alike = (other == SIMULATED) == (rig == SIMULATED)
-        expect(is_alike, root, f"sessions of {whom}", f"{none}; give another --out", InvalidFile)
+        expect(is_alike, root, f"sessions of {whom}", f"{none}; choose another --out", InvalidFile)
 
 
 def stimuli(journal: Path) -> Iterator[Event]:
-    """Yield the beginnings and ends of the stimuli of a journal; damaged lines are skipped."""
+    """Yield begin and end of the stimuli of a journal, skipping damaged lines."""
     for line in whole_lines(read_file(journal, "a journal"), _STIMULUS):
         if line.startswith(_KINDS):
             try:
@@ -60,7 +60,10 @@ def stimuli(journal: Path) -> Iterator[Event]:
 
 
 def charge_passed_c(events: Iterable[Event]) -> float:
-    """Sum the charges of stimuli: what each passed, or the largest of any beginning if its end was not recorded."""
+    """Sum the charges of stimuli.
+
+    If the end of a stimulus was not recorded, its largest possible charge counts.
+    """
     charges_c: list[float] = []
     for event in events:
         charge_c = event.facts.get("charge_c")
@@ -73,14 +76,14 @@ def charge_passed_c(events: Iterable[Event]) -> float:
 
 
 class OpenSession:
-    """The store that `tactometry.session.run.run` writes to.
+    """Store to which `tactometry.session.run.run` writes.
 
-    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns; for
-    simulated participants it is only flushed. With `resume` an interrupted session goes on; `repaired` says what was
-    cut off and is kept.
+    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns. For
+    simulated participants it is only flushed. With `resume` an interrupted session continues. `repaired` describes what
+    was removed and where it is stored.
 
-    Raises `InvalidFile` if the folder has another study, or the journal another session; `InvalidParameter` if a
-    participant's code differs only in case from another one.
+    Raises `InvalidFile` if the folder contains another study, or the journal another session. Raises
+    `InvalidParameter` if a participant's code differs only in case from another code.
     """
 
     def __init__(self, root: Path, design: StudyDescription, session: Session, rig: str, *, resume: bool) -> None:
@@ -95,7 +98,7 @@ class OpenSession:
         self._writing = threading.Lock()
         self._followers: list[tuple[OnRequest, OnEvent]] = []
         self.recorded_s: float | None = None
-        """When the last trial was on the disk, on `time.perf_counter`."""
+        """Time at which the last trial was on the disk, on `time.perf_counter`."""
         _refuse_alike(root, session)
         self.journal = Journal(path, resume=resume, syncs_trials=rig != SIMULATED)
         try:
@@ -124,13 +127,13 @@ class OpenSession:
         return self.journal.recording.wanted
 
     def exposure(self) -> Exposure:
-        """Return how long this session has lasted, and what charge it passed."""
+        """Return the duration of this session and the charge that it passed."""
         return Exposure(
             time.perf_counter() - self.replay.elapsed_s, charge_c=charge_passed_c(stimuli(self.journal.path))
         )
 
     def note(self, event: Event) -> None:
-        """Keep an event in the journal and the events file; from any thread."""
+        """Store an event in the journal and the events file, from any thread."""
         with self._writing:
             self.journal.note(event)
             self._tell(event)
@@ -138,7 +141,7 @@ class OpenSession:
                 on_event(event)
 
     def follow(self, on_request: OnRequest, on_event: OnEvent) -> None:
-        """Report recorded requests and events, and each new one once it is kept."""
+        """Report recorded requests and events, and then each new one."""
         for line in self.journal.recording.lines:
             if isinstance(line, Entry):
                 on_request(*line)
@@ -147,7 +150,7 @@ class OpenSession:
         self._followers.append((on_request, on_event))
 
     def keep_path(self, digest: str, lines: bytes) -> None:
-        """Add the path of a finger to the file of positions, before its touch is recorded."""
+        """Store the path of a finger in the positions file, before its touch."""
         path = self._session.positions(self._root)
         header = b"" if path.exists() else POSITIONS_HEADER
         body = b"".join(digest.encode() + b"\t" + line + b"\n" for line in lines.splitlines())
@@ -158,11 +161,11 @@ class OpenSession:
             os.close(file)
 
     def keep_trace(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
-        """Keep samples of a touch; they are on the disk before the journal names them for good."""
+        """Store samples of a touch on the disk, before the journal refers to them."""
         return self._traces.keep(kind, table, rate_hz)
 
     def keep_marks(self, marked: Marked) -> None:
-        """Keep marks on a page of a questionnaire in the journal."""
+        """Store marks on a page of a questionnaire in the journal."""
         with self._writing:
             self.journal.keep_marks(marked)
 
@@ -208,7 +211,7 @@ class OpenSession:
 
     @property
     def repaired(self) -> str | None:
-        """Description of data that were cut off or only in a derived file; or None."""
+        """Description of incomplete or surplus data that were repaired, or None."""
         return "; ".join(self._repaired) or None
 
     def _rebuild(self) -> None:
@@ -234,11 +237,11 @@ class OpenSession:
             self._repaired.append(f"{n_cut} after the end of the session {kept}")
             return
         trials = count_of(self.tally.n_trials, "trial")
-        what = f"{n_cut} of what was under way {kept}, and it is asked again"
+        what = f"{n_cut} of the unfinished trial {kept}; the trial is repeated"
         self._repaired.append(f"the last sitting ended after {trials}; {what}")
 
     def _keep_surplus(self, path: Path, content: bytes, at_first: bytes = b"") -> None:
-        """Keep rows of a derived file that the journal lacks, which may be an older copy."""
+        """Store rows of a derived file that are missing from the journal."""
         existing = read_file(path, "a file of a data set") if path.exists() else b""
         if is_beginning(existing, content):
             return
@@ -253,7 +256,7 @@ class OpenSession:
             self._repaired.append(
                 f"{path.name} had {count_of(len(lost), 'row')} missing from the journal of "
                 f"{count_of(self.tally.n_trials, 'trial')}: {it_is} kept in "
-                f"{self.journal.interruptions.name}; if the journal is an older copy, stop and restore the newer one"
+                f"{self.journal.interruptions.name}; if the journal is an older copy, stop and restore the newer copy"
             )
 
     def _new_events(self, events: Sequence[Event]) -> int:
@@ -266,7 +269,7 @@ def _refuse_alike(root: Path, session: Session) -> None:
     for code in participants(root):
         is_other = code.casefold() != session.participant.casefold()
         both = f"{session.participant!r} next to {code!r}"
-        apart = f"codes that differ in more than case, because some disks ignore case; give {code!r}"
+        apart = f"codes that differ in more than case, because some disks ignore case; use {code!r}"
         expect(is_other or code == session.participant, "participant", both, f"{apart}, or another code")
 
 
@@ -276,7 +279,7 @@ def _refuse_other(journal: Journal, session: Session, design: StudyDescription) 
         return
     where, of_head = f"{journal.path}, line 1", Session(head.participant, head.session, head.study)
     whose = f"session {head.session} of {head.participant} ({head.study})"
-    right = "that of the file's name; restore the right file, or remove the copy"
+    right = "the session in the file name; restore the right file, or remove the copy"
     expect(of_head == session, where, whose, right, InvalidFile)
     is_same, other = head.study_sha256 == sha256(design.study_toml), "the digest of another study.toml"
-    expect(is_same, where, other, "that of this data set; restore the right file", InvalidFile)
+    expect(is_same, where, other, "the digest of this data set's study.toml; restore the right file", InvalidFile)

@@ -1,8 +1,8 @@
-"""Traces: sensor samples of each touch, and what was emitted if it followed the finger.
+"""Traces: sensor samples of each touch, and signals that followed a finger.
 
-A session has a BIDS-like file for each kind of samples: rows of text without header, and a JSON file that explains the
-columns. Each touch adds a gzip member; the journal states its file, place, length and digest with the answer. A member
-that the journal does not name belongs to an interrupted trial.
+A session has a BIDS-like file for each kind of samples, with rows of text without a header, and a JSON file that
+explains the columns. Each touch adds a gzip member. The journal states its file, position, length and digest with
+the answer. A member that the journal does not mention belongs to an interrupted trial.
 """
 
 import os
@@ -48,11 +48,11 @@ _FORMS: Final[Mapping[TraceKind, tuple[str, str]]] = {
     "position": ("%.6f", "%.9f"),
     "emitted": ("%.7g", "%.7g"),
 }
-"""Number formats of the first and the other columns: microseconds, nanometres, and voltages to the resolution of a
-24-bit card."""
+"""Number formats of the first column and of the other columns: microseconds, nanometres, and voltages with the
+resolution of a 24-bit card."""
 HIGHEST_RATE_HZ: Final = 1e9
 _LEVEL: Final = 4
-"""Level of compression."""
+"""Compression level."""
 _GZIP: Final = zlib.MAX_WBITS + 16
 _PIECE: Final = 2**16
 _AXES: Final = "xyz"
@@ -70,7 +70,7 @@ def columns_of(kind: TraceKind, n_columns: int) -> tuple[Column, ...]:
 
 
 def encode_rows(kind: TraceKind, table: FloatArray) -> bytes:
-    """Format rows (n_rows, n_columns); a lost sample is n/a.
+    """Format rows (n_rows, n_columns). A lost sample is n/a.
 
     >>> encode_rows("force", np.array([[0.001, 1.0], [0.002, np.nan]]))
     b'0.001000\\t1\\n0.002000\\tn/a\\n'
@@ -82,9 +82,9 @@ def encode_rows(kind: TraceKind, table: FloatArray) -> bytes:
 
 
 def decode_rows(text: bytes) -> FloatArray:
-    """Parse rows (n_rows, n_columns); a lost sample is NaN.
+    """Parse rows (n_rows, n_columns). A lost sample is NaN.
 
-    Raises `ValueError` if the text is no table of numbers.
+    Raises `ValueError` if the text is not a table of numbers.
     """
     n_columns = text[: text.find(b"\n")].count(b"\t") + 1
     numbers = text.replace(MISSING.encode(), b"nan").split()
@@ -92,20 +92,20 @@ def decode_rows(text: bytes) -> FloatArray:
 
 
 def packed(text: bytes) -> bytes:
-    """Compress a text as a gzip member without time and name, so that equal samples give equal bytes."""
+    """Compress a text as a gzip member without time and name."""
     packer = zlib.compressobj(_LEVEL, zlib.DEFLATED, _GZIP)
     return packer.compress(text) + packer.flush()
 
 
 def whole_length(content: bytes) -> int:
-    """Return the length without an incomplete last gzip member; other damage stays."""
+    """Return the length without an incomplete last gzip member."""
     at = n_whole = 0
     unpacker = zlib.decompressobj(_GZIP)
     while at < len(content):
         piece = content[at : at + _PIECE]
         try:
             unpacker.decompress(piece)
-        except zlib.error:  # damage rather than a cut: keep the rest, as later parts are found by their offsets
+        except zlib.error:  # damage within the file: keep the rest, as later parts are found by their offsets
             return len(content)
         at += len(piece) - len(unpacker.unused_data)
         if unpacker.eof:
@@ -116,7 +116,7 @@ def whole_length(content: bytes) -> int:
 def read_text(root: Path, part: TracePart) -> bytes:
     """Read the rows of a part in the data set at `root` as text.
 
-    Raises `InvalidFile` if the file is missing, or its content differs from what was kept.
+    Raises `InvalidFile` if the file is missing, or its content differs from what was stored.
     """
     held = _held(root, part)
     flaw = _flaw(held, part)
@@ -126,12 +126,12 @@ def read_text(root: Path, part: TracePart) -> bytes:
 
 
 def read_part(root: Path, part: TracePart) -> FloatArray:
-    """Read the rows (n_rows, n_columns) of a part; raises as `read_text`."""
+    """Read the rows (n_rows, n_columns) of a part. Raises like `read_text`."""
     return decode_rows(read_text(root, part))
 
 
 def part_flaw(root: Path, part: TracePart) -> str | None:
-    """Describe what is wrong with a part; None if nothing is."""
+    """Describe what is wrong with a part, or return None."""
     return _flaw(_held(root, part), part)
 
 
@@ -142,17 +142,20 @@ def _held(root: Path, part: TracePart) -> bytes:
 def _flaw(held: bytes, part: TracePart) -> str | None:
     if digest_of(held) == part.digest:
         return None
-    found = "other samples than were kept" if len(held) == part.n_bytes else f"its end within the next {part.n_bytes}"
-    return f"found {found} from byte {part.first_byte} on, expected them whole; restore a copy"
+    found = "other samples than were stored" if len(held) == part.n_bytes else f"its end within the next {part.n_bytes}"
+    return f"found {found} from byte {part.first_byte} on, expected complete samples; restore a copy"
 
 
 def kind_of(part: TracePart) -> TraceKind | None:
-    """Return which samples a part contains, or None for an unknown kind."""
+    """Return the kind of samples in a part, or None if it is unknown."""
     return next((kind for kind, name in FILES.items() if part.file.endswith(f"_{name}.tsv.gz")), None)
 
 
 class TraceFiles:
-    """The files of traces of a session, in the data set at `root`; an incomplete member is cut off first."""
+    """Trace files of a session, in the data set at `root`.
+
+    An incomplete last member is removed first.
+    """
 
     def __init__(self, root: Path, session: Session) -> None:
         self._root, self._session = root, session
@@ -160,9 +163,9 @@ class TraceFiles:
         self._unsynced: set[TraceKind] = set()
 
     def keep(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
-        """Add rows (n_rows, n_columns).
+        """Append rows (n_rows, n_columns) and return their place.
 
-        Raises `DeviceFailed` if the disk is full or fails; nothing was added.
+        Raises `DeviceFailed` if the disk is full or fails. Nothing is added then.
         """
         path = trace_file(self._root, self._session, kind)
         if kind not in self._files:
@@ -186,7 +189,7 @@ class TraceFiles:
         return file
 
     def sync(self) -> None:
-        """Sync what was added, before the journal names it."""
+        """Sync the added rows before the journal refers to them."""
         while self._unsynced:
             os.fsync(self._files[self._unsynced.pop()])
 
@@ -206,7 +209,7 @@ def sidecar_of(path: Path) -> Path:
 
 @dataclass(frozen=True)
 class TraceDescription:
-    """The sampling rate and the columns of a file of traces."""
+    """Sampling rate and columns of a file of traces."""
 
     rate_hz: float
     columns: tuple[Column, ...]
@@ -219,7 +222,7 @@ class TraceDescription:
 def read_sidecar(path: Path) -> TraceDescription:
     """Read the JSON file that explains a file of traces.
 
-    Raises `InvalidFile` if it lacks the sampling rate or the columns.
+    Raises `InvalidFile` if the sampling rate or the columns are missing.
     """
     said = json_object(path, "the sampling rate and the columns of its samples")
     rate_hz: Any = said.get("SamplingFrequency")
@@ -229,7 +232,7 @@ def read_sidecar(path: Path) -> TraceDescription:
         raise InvalidFile(f"{path}: SamplingFrequency: found {rate_hz!r:.60}, expected {above}")
     are_texts = isinstance(names, list) and bool(names) and all(isinstance(name, str) and name for name in names)
     if not are_texts or len(set(names)) != len(names):
-        raise InvalidFile(f"{path}: Columns: found {names!r:.60}, expected a list of different names")
+        raise InvalidFile(f"{path}: Columns: found {names!r:.60}, expected a list of distinct names")
     return TraceDescription(float(rate_hz), tuple(_explained(path, name, said.get(name)) for name in names))
 
 
@@ -242,6 +245,6 @@ def _explained(path: Path, name: str, said: object) -> Column:
 
 
 def sidecar(columns: Iterable[Column], rate_hz: float) -> bytes:
-    """Encode the sampling rate and the columns of a file of traces as BIDS does."""
+    """Encode sampling rate and columns of a file of traces as BIDS does."""
     named = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}
     return pretty({"SamplingFrequency": rate_hz, "StartTime": 0, "Columns": list(named), **named})

@@ -1,4 +1,4 @@
-"""Rigs answer the requests of a protocol: `bench` with a window, `console`, `simulated`.
+"""Rigs, which answer a protocol's requests: bench, console and simulated.
 
-Only rigs read a clock and play outputs; `tactometry.session.run` passes the requests on.
+Only rigs read a clock and play outputs. `tactometry.session.run` passes the requests to them.
 """

@@ -1,6 +1,6 @@
-"""The bench: a participant at a screen, with an output under the finger.
+"""Bench rig: a participant at a screen, with an output under the finger.
 
-On any failure, or Escape, the output is set to zero before anything else is closed.
+On Escape or any failure, the output is set to zero before any device is closed.
 """
 
 import functools
@@ -24,17 +24,17 @@ from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
 
 S = TypeVar("S")
 ASSUMED_DISPLAY_HEIGHT_M = 0.3
-"""Height of a 24-inch display, used for the moving cue of a slide if it was not measured (unverified default)."""
+"""Assumed display height (24-inch display) for the moving cue of a slide, if none was measured (unverified default)."""
 N_DRY_RUNS = 3
 """Largest number of practice touches without a stimulus (unverified default)."""
 HINT_CONTINUE = "hint_continue"
 
 
 class Bench(DeviceRig):
-    """A rig with a person.
+    """Rig for a human participant at a screen.
 
-    Without a measured display height a `Slide` assumes `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says so. The log
-    also keeps clocks and timing of each trial.
+    If no display height was measured, a `Slide` assumes `ASSUMED_DISPLAY_HEIGHT_M`, and the journal records this.
+    The log also contains the device clocks and the timing of each trial.
     """
 
     def _open(self) -> None:
@@ -42,16 +42,16 @@ class Bench(DeviceRig):
         self._trial_log = TrialLog(self._supervisor, self._screen, self._clocks)
         self._lost: Reason | None = None
         self._known: set[type[Press | Slide]] = set()
-        # drawn now, so that the first page of a trial is not delayed
+        # drawn in advance, so that the first page of a trial is not delayed
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
         output = self._equipment.output
         if not output.emits:
-            self._terminal.tell(f"output {output.name}: nothing is played, and no level counts as delivered")
+            self._terminal.tell(f"output {output.name}: it plays nothing, so every level is recorded as not delivered")
 
     def facts(self) -> Facts:
-        """Return display, keyboard, devices and clock for the head of the journal."""
+        """Return facts on display, keyboard, devices and clock for the journal."""
         return {
             "rig": "bench",
             **self._screen.facts(),
@@ -88,7 +88,7 @@ class Bench(DeviceRig):
         return touched
 
     def _touch_run(self, request: Press | Slide, why: str) -> TouchRun:
-        """Prepare a touch; `why` names the message shown below its instruction."""
+        """Prepare a touch. `why` names the message shown below the instruction."""
         places, words = Trace(), "press"
         dress: Dress = as_it_is
         if isinstance(request, Slide):
@@ -99,9 +99,9 @@ class Bench(DeviceRig):
         return TouchRun(request, self._setup, places, measured, self._texts.message("release"), dress, reason)
 
     def _dry_run(self, request: Press | Slide) -> None:
-        """Explain the screen of a touch, and let the participant try it without a stimulus.
+        """Explain the touch screen and let the participant try a touch.
 
-        It is kept as an event, without row and trace.
+        No stimulus plays. The journal records the practice as an event, without a table row or samples.
         """
         self._known.add(type(request))
         begin_s = time.perf_counter()
@@ -156,7 +156,7 @@ class Bench(DeviceRig):
         return state, self._timing(onset_s, end_s)
 
     def _timing(self, onset_s: float, end_s: float) -> tuple[float, float, str, bool]:
-        """Return onset in the session, latency and time of day of an answer, and whether it counts."""
+        """Return onset (session time), latency, time of day, and validity."""
         self._trial_log.note_answer(end_s)
         self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
         return *self._times(onset_s, end_s), not self._supervisor.repeat
@@ -204,7 +204,7 @@ class Bench(DeviceRig):
 
     def _show(self, request: Show) -> Done:
         self._terminal.tell(f"page: {request.message}")
-        self._lost = None  # after a page the last touch no longer applies
+        self._lost = None  # the last touch no longer applies after a page
         if request.duration_s is None:
             self._leave(self._message(request, "hint_end" if request.message == "end" else HINT_CONTINUE))
             return self._done_between()
@@ -216,7 +216,7 @@ class Bench(DeviceRig):
         return self._done_between()
 
     def _message(self, request: Show, hint: str, left_s: int = 0) -> Page:
-        """Return a page of text with progress, and the seconds left if it ends by itself."""
+        """Return a page of text with progress, and a countdown if it is timed."""
         block, n_blocks = (request.values.get(name) for name in ("block", "n_blocks"))
         progress = (block - 1) / n_blocks if isinstance(block, int) and isinstance(n_blocks, int) else None
         words = self._texts.page(request, left_s)
@@ -229,7 +229,7 @@ class Bench(DeviceRig):
         self._supervisor.end_trial(trial)
         self._lost = trial.invalid_reason
         before, self._tally = self._tally, self._tally.after(trial)
-        if self._tally.n_presented > before.n_presented:  # not for each item of a questionnaire
+        if self._tally.n_presented > before.n_presented:  # not for every item of a questionnaire
             response = "no answer" if trial.response is None else trial.response
             outcome = self._terminal.outcome(trial, self._tally.n_presented)
             self._terminal.add(outcome if trial.task == "rating" else f"{response}, {outcome}")

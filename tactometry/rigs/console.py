@@ -1,4 +1,4 @@
-"""Rig on a terminal, to try a protocol or run without a screen."""
+"""Console rig, to try a protocol or to run one without a screen."""
 
 import math
 import sys
@@ -39,14 +39,14 @@ from .touch.watchdog import play_to_end
 T = TypeVar("T")
 
 N_TRIES = 20
-"""Number of invalid lines after which a session is stopped, as no user types them."""
+"""Number of consecutive invalid lines after which the session stops: the input is probably not typed by a user."""
 ESCAPE: Final = "\x1b"
 WAYS: Final[Mapping[str, tuple[int, float | None]]] = {"-": (1, None), "<": (-1, None)}
-"""Inputs that leave a question open or return to the previous one."""
+"""Inputs that leave a question unanswered or return to the previous question."""
 
 
 class Lines(ExperimenterTerminal):
-    """Prints everything as lines to any file, for participant and experimenter."""
+    """Printer of all messages to a file, for participant and experimenter."""
 
     def __init__(self, output: TextIO, language: str) -> None:
         super().__init__(language=language)
@@ -60,11 +60,11 @@ class Lines(ExperimenterTerminal):
 
 
 class Console(DeviceRig):
-    """Prints each request to `output` and reads an answer line from `source`.
+    """Rig that prints each request to `output` and reads lines from `source`.
 
-    With a null output, stimuli are rendered and checked but not delivered; another output plays under its guard and the
-    sensors' conditions, as on a bench. An invalid line is asked again, up to `N_TRIES` times; Escape and the end of the
-    input stop the session. Pages wait for return only at a terminal.
+    With a null output, stimuli are rendered and checked but not delivered. Other outputs play under the same safety
+    checks and sensor conditions as on a bench. After an invalid line the question is repeated, up to `N_TRIES`
+    times. Escape or the end of the input stops the session. Pages wait for Return only if the input is a terminal.
     """
 
     def __init__(
@@ -100,9 +100,9 @@ class Console(DeviceRig):
         }
 
     def _ask(self, prompt: str, read: Callable[[str], T], expected: str = "") -> tuple[T, float, float, str]:
-        """Return an answer, the onset of its question, its latency, and its time of day.
+        """Ask a question; return answer, onset, latency and time of day.
 
-        If `read` refuses a line, the `expected` answer is printed and the question repeated.
+        If `read` refuses a line, print the `expected` answer and repeat the question.
         """
         onset_s = time.perf_counter()
         for _ in range(N_TRIES):
@@ -116,7 +116,7 @@ class Console(DeviceRig):
                 return read(line.strip()), *self._times(onset_s, time.perf_counter())
             except ValueError:
                 self._terminal.tell(self._phrase("no_answer", expected=expected, line=repr(line.strip())))
-        raise self._stop(f"{N_TRIES} lines were no answers")
+        raise self._stop(f"{N_TRIES} invalid answers in a row")
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
         self._tell_page(Show("pause"))
@@ -190,7 +190,7 @@ class Console(DeviceRig):
         return Filled(tuple(values), *self._times(onset_s, time.perf_counter()), back=at < 0)
 
     def _fill_one(self, request: Fill, question: Question) -> tuple[int, float | None]:
-        """Return by how many questions to move on, and the answer."""
+        """Return the number of questions to move by, and the answer."""
         statement, left, right = self._texts.question(question)
         step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
         by = "" if step == 1 else self._phrase("steps", step=step)
@@ -201,8 +201,8 @@ class Console(DeviceRig):
         return self._ask(prompt, lambda line: WAYS.get(line) or (1, _on_scale(line, request)), expected)[0]
 
     def _adjust(self, request: Adjust) -> Adjusted:
-        adjustment = "an adjustment, whose level plays while it is set"
-        expect(not self._equipment.output.emits, "console", adjustment, "a task without one; use --rig bench")
+        adjustment = "an adjustment task, which plays its level continuously"
+        expect(not self._equipment.output.emits, "console", adjustment, "another task; use --rig bench")
         prompt = self._phrase("level", stimulus=request.stimulus, low=request.low, high=request.high)
         expected = self._number(request.low, request.high)
         return Adjusted(*self._ask(prompt, lambda line: _within(line, request.low, request.high), expected))
@@ -214,7 +214,7 @@ class Console(DeviceRig):
     def _show(self, request: Show) -> Done:
         self._tell_page(request)
         if self._source.isatty() and request.message != "end":
-            # at a terminal a page stays for its duration, or until a key is pressed
+            # at a terminal, wait for the page's duration or a key
             if request.duration_s is None:
                 self._ask(self._phrase("go_on"), str)
             else:

@@ -1,4 +1,4 @@
-"""Base of rigs with devices: output, sensors, clock and supervision of the session."""
+"""Base class of rigs with an output, sensors, a clock and supervision."""
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -36,18 +36,18 @@ Felt = TypeVar("Felt", Played, Touched)
 
 @dataclass(frozen=True)
 class Equipment:
-    """Devices of a rig, and the stimuli that play through them.
+    """Devices of a rig, and the stimuli that it plays.
 
-    - `bank`: Stimuli by the names that requests use.
+    - `bank`: Stimuli by the names used in requests.
     - `limits`: Limits of the study, checked in addition to those of the output.
-    - `sensor`: Without one, force fields are None and every touch is valid.
-    - `position`: Without one, the speed is not measured.
-    - `ramp_s`: Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
+    - `sensor`: Force sensor. Without one, force fields are None and every touch is valid.
+    - `position`: Position sensor. Without one, the speed is not measured.
+    - `ramp_s`: Duration of the ramps added to signals that do not begin and end at zero. 0 for one-bit outputs.
     - `release`: True if the force must leave its band between touches.
-    - `facts`: Facts of the open devices for the journal, with their clocks.
-    - `display_height_m`: Measured height of the picture, m, for the moving cue of a slide.
-    - `dry_run`: True if a touch is explained and tried without a stimulus before the first one.
-    - `traces`: Kinds of samples that are kept of each touch.
+    - `facts`: Facts on the open devices for the journal, with their clocks.
+    - `display_height_m`: Measured height of the display's image, m, for the moving cue of a slide.
+    - `dry_run`: True if the participant practises the touch without a stimulus before the first trial.
+    - `traces`: Kinds of samples to record of each touch.
     """
 
     output: Guarded
@@ -69,9 +69,10 @@ class Equipment:
 
 
 class DeviceRig(LiveRig):
-    """Opens the devices, and closes all of them, the output first, on any failure.
+    """Base rig that opens the devices and closes them on any failure.
 
-    `screen` is the participant's, `terminal` the experimenter's; `log` keeps pauses, remarks and stimuli.
+    The output is closed first. `screen` belongs to the participant, `terminal` to the experimenter. `log` records
+    pauses, remarks and stimuli.
 
     Raises `DeviceFailed` if a device does not open.
     """
@@ -118,7 +119,7 @@ class DeviceRig(LiveRig):
             screen.give_back()
 
     def _open(self) -> None:
-        # the output last, so that it is not claimed if a sensor is missing
+        # open the output last, so that it is not claimed if a sensor is missing
         for device in (self._equipment.position, self._equipment.sensor, self._equipment.output):
             if device is not None:
                 device.open()
@@ -129,12 +130,12 @@ class DeviceRig(LiveRig):
 
     @contextmanager
     def _closed_on_failure(self) -> Iterator[None]:
-        """Close the rig, output first, when the body raises.
+        """Close the rig, output first, if the body raises.
 
-        Raises `DeviceFailed` if it is closed already, or PsychoPy ends the program.
+        Raises `DeviceFailed` if the rig is already closed, or if PsychoPy ends the program.
         """
         if self.closed:
-            raise DeviceFailed("bench: found a closed bench, expected an open one; open it again")
+            raise DeviceFailed("bench: found a closed bench, expected an open bench; open it again")
         try:
             yield
         except SystemExit as end:
@@ -142,9 +143,9 @@ class DeviceRig(LiveRig):
             if ended_by_signal(end):
                 raise
             raise DeviceFailed(
-                f"window: PsychoPy ended the program by itself (exit status {end.code}); continue with --resume"
+                f"window: PsychoPy ended the program (exit status {end.code}); continue with --resume"
             ) from end
-        except BaseException:  # Ctrl-C too: nothing may play after a failed request
+        except BaseException:  # including Ctrl-C: nothing may play after a failed request
             self.close()
             raise
 
@@ -152,7 +153,7 @@ class DeviceRig(LiveRig):
         if self.closed:
             return
         self.closed = True
-        # zero the output before closing devices that may fail or hang; close the rest after any failure
+        # zero the output first: other devices may fail or hang; close all even if one fails
         with ExitStack() as last_first:
             last_first.callback(self._terminal.close)
             last_first.callback(self._screen.close)
@@ -187,15 +188,16 @@ class DeviceRig(LiveRig):
             return self._tracer.kept(answer)
 
     def begin(self, request: Play) -> ConcurrentPlay:
-        """Play while other code draws.
+        """Begin to play while the caller draws its own frames.
 
-        Raises `DeviceFailed`, `InvalidParameter` or `LimitExceeded` if it cannot be played; the rig is closed then.
+        Raises `DeviceFailed`, `InvalidParameter` or `LimitExceeded` if the stimulus cannot be played, and closes the
+        rig.
         """
         with self._closed_on_failure():
             return ConcurrentPlay(self._setup, request, self._signal(request), self._screen.give_back)
 
     def _finish_trial(self) -> None:
-        """Do what is due before the next request."""
+        """Finish the current trial before the next request."""
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
         self._supervisor.pause(by, over)
@@ -211,7 +213,7 @@ class DeviceRig(LiveRig):
         return Done(self._session_s(time.perf_counter()))
 
     def _done_between(self) -> Done:
-        """Answer a request after which interventions may take effect."""
+        """Answer a request after which the experimenter's orders may take effect."""
         return replace(self._done(), interventions=self._supervisor.take_interventions())
 
     def _intervene(self, request: Intervene) -> Done:
@@ -219,7 +221,7 @@ class DeviceRig(LiveRig):
         return self._done()
 
     def _signal(self, request: Play | Press | Slide) -> Signal | None:
-        """Return the final samples, within all limits; None for a blank."""
+        """Return the final samples, checked against all limits, or None for a blank."""
         if self._equipment.limits is not None and not isinstance(request, Play):
             self._equipment.limits.check_force(request.target_n, request.tolerance)
         return self._emitter.for_interval(request.stimulus, request.level, request.duration_s)
@@ -233,12 +235,12 @@ class DeviceRig(LiveRig):
 
 
 class Tracer:
-    """Keeps the samples of what is felt, from request to answer.
+    """Recorder of sensor and output samples, from request to answer.
 
-    - `sensors`: Sensors whose samples are kept.
-    - `emitter`: Source of emitted signals that followed the finger; None keeps none.
-    - `log`: Store of the samples; None keeps none.
-    - `session_s`: Converts a stamp on `time.perf_counter` to session time, s.
+    - `sensors`: Sensors whose samples are recorded.
+    - `emitter`: Source of the emitted signals that followed the finger, or None to record none.
+    - `log`: Store of the samples, or None to record nothing.
+    - `session_s`: Converts a time on `time.perf_counter` to session time, s.
     """
 
     def __init__(
@@ -256,7 +258,7 @@ class Tracer:
             sensor.read()
 
     def kept(self, answer: A) -> A:
-        """Add to an answer the places where its samples are kept."""
+        """Return the answer with references to its stored samples."""
         if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
             return answer
         parts = []
@@ -266,7 +268,7 @@ class Tracer:
                 table = np.column_stack([times_s + self._session_s(0.0), values])
                 parts.append(self._log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz))
 
-        # an adjusted level plays repeatedly, so there is no single emitted signal
+        # an adjusted level plays repeatedly, so no single signal was emitted
         digest = None if isinstance(answer, Adjusted) else answer.digest
         signal = self._emitter.followed_signal(digest) if self._emitter and digest else None
         if signal is not None:

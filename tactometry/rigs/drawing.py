@@ -1,7 +1,7 @@
-"""Draw pages with PsychoPy's shapes and texts.
+"""Drawing of pages with PsychoPy shapes and texts.
 
-In PsychoPy 2026.2.5 writing an attribute of a shape costs more than drawing it, and `draw` costs more in Python than in
-OpenGL. So each text and each look of a shape is recorded once in an OpenGL list.
+In PsychoPy 2026.2.5, setting an attribute of a shape takes longer than drawing it, and most of the time of `draw` is
+spent in Python. So each text and each kind of shape is compiled once into an OpenGL display list.
 """
 
 import functools
@@ -17,13 +17,14 @@ FONT = "Noto Sans"
 PIXELS_PER_LINE = 300
 N_EDGES_BOX = 4
 FLAT_PX = 0.1
-"""Largest distance of a polygon from its circle, as lines of many short edges are slow in software rendering."""
+"""Largest deviation of a polygon from its circle, in pixels. Outlines with many edges are slow in software
+rendering."""
 Look = tuple[int, str | None, str | None]
-"""Edges, fill and line of a shape, without its position."""
+"""Number of edges, fill and line colour of a shape."""
 
 
 def n_edges(radius: float) -> int:
-    """Return the edges of a polygon (radius in pixels) whose middles lie at most `FLAT_PX` inside of its circle.
+    """Return the number of edges of a polygon that stands for a circle.
 
     >>> n_edges(26.0), n_edges(160.0)
     (36, 89)
@@ -44,36 +45,37 @@ class Canvas:
             psychopy.pyglet.font.add_file(face)
         self._list, self._picture = functools.cache(self._recorded), functools.cache(self._image)
         self._stimuli: list[Any] = []
-        """Recorded stimuli, kept because OpenGL discards the letters of a text when its font is deleted."""
+        """PsychoPy stimuli that were compiled into lists. OpenGL discards the letters of a text when its font is
+        deleted."""
 
     def draw(self, page: Page) -> None:
         """Draw the items of a page in order."""
         gl, (width, height) = self._gl, self._window.size
-        self._window._setCurrent()  # lists belong to one context, and another window may have been drawn meanwhile
+        self._window._setCurrent()  # display lists belong to one OpenGL context; another window may be current
         for item in page.items:
-            if isinstance(item, Text):  # PsychoPy draws text at its position regardless of the matrix
+            if isinstance(item, Text):  # PsychoPy ignores the matrix when it draws text
                 gl.glCallList(self._list(item))
                 continue
-            if isinstance(item, Picture):  # a list cannot contain its texture
+            if isinstance(item, Picture):  # a display list cannot contain the texture
                 self._picture(item).draw()
                 continue
             look, size = self._look(item)
             drawing = self._list(look)
             gl.glPushMatrix()
-            # in half widths and heights of the window, as PsychoPy leaves the matrix
+            # PsychoPy's matrix uses half widths and heights of the window
             gl.glTranslatef(2 * item.x * height / width, 2 * item.y, 0)
             gl.glScalef(*size, 1)
             gl.glCallList(drawing)
             gl.glPopMatrix()
 
     def _look(self, item: Box | Disc) -> tuple[Look, tuple[float, float]]:
-        """Return the look of an item, and its size relative to the recorded one."""
+        """Return the kind of shape, and its size relative to the compiled one."""
         if isinstance(item, Box):
             return (N_EDGES_BOX, item.fill, item.line), (item.width, item.height)
         return (n_edges(item.radius * self._window.size[1]), item.fill, item.line), (item.radius, item.radius)
 
     def _recorded(self, look: Text | Look) -> int:
-        """Record the list that draws a text, or a shape in the middle of the window."""
+        """Compile a text, or a shape of size 1 in the middle of the window."""
         stimulus = self._text(look) if isinstance(look, Text) else self._shape(*look)
         self._stimuli.append(stimulus)
         drawing = int(self._gl.glGenLists(1))
@@ -85,7 +87,7 @@ class Canvas:
         return drawing
 
     def _shape(self, edges: int, fill: str | None, line: str | None) -> Any:
-        """Make a box or a circle of size 1; its line is as wide at any size."""
+        """Create a box or circle of size 1 whose line width does not scale."""
         width = max(2, round(self._window.size[1] / PIXELS_PER_LINE)) if line else 0
         look = {"fillColor": fill, "lineColor": line, "lineWidth": width, "autoLog": False}
         if edges == N_EDGES_BOX:
@@ -121,16 +123,16 @@ OURS: Mapping[str, Any] = {
     "recordFrameIntervals": False,
     "_showSplash": False,
 }
-"""Window settings for the pages of Tactometry."""
+"""Attributes of a window that Tactometry's pages need."""
 EMPTY = ("_toDraw", "_toDrawDepths", "_toCall", "_toLog", "_editableChildren")
-"""Window lists that are empty meanwhile: autoDraw stimuli, calls on flip, editable stimuli."""
+"""Lists of a window that are emptied while pages are shown: autoDraw stimuli, calls on flip, editable stimuli."""
 
 
 class BorrowedWindow:
-    """Takes a window of a PsychoPy script when a page is drawn, and gives it back.
+    """Window of a PsychoPy script, borrowed while a page is shown.
 
-    - `keyboard`: New key presses are ours, waiting ones are the script's.
-    - `handlers`: Handlers of window events meanwhile.
+    - `keyboard`: Keyboard of the script. Waiting key presses stay with the script.
+    - `handlers`: Handlers of window events while the page is shown.
     """
 
     def __init__(
@@ -140,7 +142,7 @@ class BorrowedWindow:
         self._theirs: dict[str, Any] | None = None
 
     def take(self) -> None:
-        """Take the window: our background, and nothing else is drawn on it."""
+        """Take over the window: set the background and hide the script's stimuli."""
         if self._theirs is not None:
             return
         window = self._window
@@ -158,7 +160,7 @@ class BorrowedWindow:
         window.winHandle.push_handlers(**self._handlers)
 
     def give_back(self) -> None:
-        """Restore the window; its picture stays until the script's next flip."""
+        """Restore the window. The page stays visible until the script's next flip."""
         if self._theirs is None:
             return
         window, theirs = self._window, self._theirs
@@ -166,18 +168,18 @@ class BorrowedWindow:
         window._setCurrent()
         window.winHandle.pop_handlers()
         self._exchange(self._typed, self._pressed)
-        self._keyboard._keysStillDown.clear()  # otherwise releasing a held key would report a new press
-        # frame intervals of these pages do not belong to the script
+        self._keyboard._keysStillDown.clear()  # otherwise the release of a held key would be reported as a new press
+        # exclude the frame intervals of these pages from the script's
         restarted = {"recordFrameIntervalsJustTurnedOn": bool(theirs["recordFrameIntervals"])}
         vars(window).update(theirs, _viewMatrixNeedsUpdate=True, **restarted)
         self._rewind(push=False)
         window.blendMode, window.color, window.mouseVisible, window.viewport, window.scissor = self._looks
         window.clearBuffer()
-        if window.backgroundImage is not None:  # the previous flip draws it, in PsychoPy's order
+        if window.backgroundImage is not None:  # PsychoPy draws it as part of the previous flip
             window.backgroundImage.draw()
 
     def _rewind(self, *, push: bool) -> None:
-        """Save or restore the script's view transform in OpenGL."""
+        """Save or restore the OpenGL view transform of the script."""
         if not self._window.USE_LEGACY_GL:
             return
         gl = self._psychopy.pyglet.gl

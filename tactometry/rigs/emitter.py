@@ -22,10 +22,10 @@ NO_POSITION: Final = (
 
 
 def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits | None, ramp_s: float = 0.0) -> Signal:
-    """Return the final samples of a stimulus of a bank, with ramps unless it begins and ends at rest.
+    """Return the final samples of a stimulus, with ramps if needed.
 
-    Raises `InvalidParameter` if there is no such stimulus or level, `LimitExceeded` if a limit of the study is
-    exceeded.
+    A signal that begins and ends at zero gets no ramps. Raises `InvalidParameter` if the stimulus or level does not
+    exist, `LimitExceeded` if the signal exceeds a limit of the study.
     """
     signal = with_ramps(lookup("stimulus", name, bank).at(level), ramp_s)
     if limits is not None:
@@ -34,10 +34,7 @@ def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits
 
 
 class Emitter:
-    """Renders stimuli of a bank, checks the limits of study and output, and plays them.
-
-    Stimuli that follow a finger get its `path`.
-    """
+    """Player of stimuli, which checks the limits of study and output."""
 
     def __init__(
         self,
@@ -52,18 +49,18 @@ class Emitter:
         self._muted = False
 
     def final(self, name: str, level: float) -> Signal:
-        """Return the final samples of a stimulus.
+        """Return the final samples of a stimulus, checked against all limits.
 
-        Raises `InvalidParameter` if there is no such stimulus, `LimitExceeded` or `DeviceFailed` if it must not or
-        cannot be played.
+        Raises `InvalidParameter` if the stimulus does not exist, `LimitExceeded` if it exceeds a limit,
+        `DeviceFailed` if the output cannot play it.
         """
         signal = self._followed(name, render(self._bank, name, level, self._limits, self._ramp_s))
-        # checked here before the touch begins; the guard checks again when it plays
+        # checked before the touch begins; the guard checks again during playback
         self._output.check(signal)
         return signal
 
     def _followed(self, name: str, signal: Signal) -> Signal:
-        """Add the path of the finger if the stimulus follows it and is emitted."""
+        """Attach the finger's path to a texture that follows it, if it is emitted."""
         stimulus = self._bank[name]
         if not isinstance(stimulus, FollowsFinger) or not self._output.emits:
             return signal
@@ -72,7 +69,7 @@ class Emitter:
         return FollowedSignal(signal.samples, signal.rate_hz, signal.unit, stimulus, self._path)
 
     def played_path(self, signal: Signal | None) -> PlayedPath | None:
-        """Return what the last signal became, if it followed a finger."""
+        """Return the path and signal played last, if it followed a finger."""
         return self._output.played_path() if isinstance(signal, FollowedSignal) else None
 
     def followed_signal(self, digest: str) -> Signal | None:
@@ -81,50 +78,50 @@ class Emitter:
         return path.signal if path is not None and path.signal.digest() == digest else None
 
     def for_interval(self, name: str, level: float | None, duration_s: float) -> Signal | None:
-        """Return the final samples for an interval of `duration_s`; None for a blank.
+        """Return the final samples for an interval, or None for a blank.
 
         Raises `InvalidParameter` if the signal is longer than its interval.
         """
         if level is None:
             return None
         signal = self.final(name, level)
-        longest = f"at most the {duration_s:.6g} s of its interval; make one of them fit"
+        longest = f"at most the {duration_s:.6g} s of its interval; shorten the signal or extend the interval"
         fits = signal.duration_s <= duration_s + 1 / signal.rate_hz
         expect(fits, f"stimulus {name!r}", f"a signal of {signal.duration_s:.6g} s", longest)
         return signal
 
     def limit_facts(self) -> dict[str, float | str]:
-        """Return the limits in force: the tighter of those of study and output."""
+        """Return the limits that apply: the tighter of the study's and the output's."""
         stated = [limits for limits in (self._limits, self._output.limits) if limits is not None]
         return functools.reduce(Limits.tighter, stated).facts() if stated else {}
 
     def level_delivered(self, level: float | None) -> float | None:
-        """Return the delivered level; None if nothing is emitted."""
+        """Return the delivered level, or None if the output emits nothing."""
         return level if self._output.emits else None
 
     def digest(self, signal: Signal | None) -> str | None:
-        """Return the digest of what was emitted; None if nothing was."""
+        """Return the digest of the emitted signal, or None if there was none."""
         if signal is None or not self._output.emits:
             return None
         path = self.played_path(signal)
         return signal.digest() if path is None else path.signal.digest()
 
     def emit(self, signal: Signal | None) -> float:
-        """Begin to play, or play nothing; return the onset on `time.perf_counter`, s."""
+        """Begin playback, if any, and return the onset on `time.perf_counter`, s."""
         return time.perf_counter() if signal is None else self._output.play(signal)
 
     def emit_if_allowed(self, signal: Signal | None) -> float | None:
-        """Emit from any thread; None while muted."""
+        """Emit from any thread. Return None while muted."""
         with self._playing:
             return None if self._muted else self.emit(signal)
 
     def mute(self, *, on: bool) -> None:
-        """Set the output to zero; with `on`, other threads cannot emit until it is off."""
-        # stop at once, without waiting for a thread that begins to play, and again below after it has begun
+        """Set the output to zero. While `on`, no thread can emit."""
+        # stop at once; a thread that is just beginning to play is stopped again below
         self._output.stop()
         if not self._playing.acquire(timeout=BEGIN_WITHIN_S):
             raise DeviceFailed(
-                f"output {self._output.name!r}: it hangs, and did not begin within {BEGIN_WITHIN_S:g} s: switch its "
+                f"output {self._output.name!r}: it hangs and did not begin within {BEGIN_WITHIN_S:g} s: switch its "
                 "amplifier off"
             )
         try:
@@ -134,7 +131,7 @@ class Emitter:
             self._playing.release()
 
     def n_gaps(self, signal: Signal | None, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Return gaps in the last signal; None if nothing was emitted or the output cannot tell."""
+        """Return the gaps in the last signal, or None if they are unknown."""
         return None if signal is None else self._output.n_gaps(longest_wait_s)
 
     def stop(self) -> None:

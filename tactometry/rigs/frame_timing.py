@@ -1,4 +1,4 @@
-"""Frame period of the screen, pacing without vertical sync, and frame statistics."""
+"""Frame period of the screen, pacing without vertical sync, frame statistics."""
 
 import math
 import time
@@ -10,12 +10,12 @@ import numpy as np
 
 PERIOD_WITHOUT_BLANK_S: Final = 1 / 60
 SHORTEST_PERIOD_S, LONGEST_PERIOD_S = 1 / 250, 1 / 24
-"""Plausible periods of screens whose mode states no rate (unverified defaults)."""
+"""Plausible frame periods of a screen whose mode states no rate (unverified defaults)."""
 LIKE, STEADY_PART = 0.1, 0.8
-"""With vertical sync, this part of the intervals is this close (relative) to the median, and the median to the nominal
-period; drawing under load is less regular (unverified defaults)."""
+"""Criteria for vertical sync (unverified defaults). At least `STEADY_PART` of the intervals are within `LIKE`
+(relative) of their median, and the median within `LIKE` of the nominal period."""
 FASTEST: Final = 0.75
-"""Frames with shorter intervals (relative to the period) did not wait for a blank (unverified default)."""
+"""Frames shorter than this fraction of the period did not wait for vertical sync (unverified default)."""
 N_TOO_FAST: Final = 10
 
 
@@ -23,10 +23,10 @@ N_TOO_FAST: Final = 10
 class Rhythm:
     """Frame period of a screen.
 
-    - `measured_s`: Median interval of some frames, s.
-    - `nominal_s`: By the mode of the screen, s, if known.
-    - `trusted`: True if the intervals are steady and like the nominal period.
-    - `in_software`: True if frames do not wait for a vertical blank and must be paced.
+    - `measured_s`: Median of the measured frame intervals, s.
+    - `nominal_s`: Period stated by the screen's mode, s, or None.
+    - `trusted`: True if the intervals are regular and close to the nominal period.
+    - `in_software`: True if frames do not wait for vertical sync and must be paced in software.
     """
 
     measured_s: float
@@ -36,12 +36,12 @@ class Rhythm:
 
     @property
     def period_s(self) -> float:
-        """Measured period if trusted, else the nominal one, else 1/60 s."""
+        """Return the measured period if trusted, else the nominal one, else 1/60 s."""
         return self.measured_s if self.trusted else self.nominal_s or PERIOD_WITHOUT_BLANK_S
 
     @property
     def caution(self) -> str | None:
-        """Warning for an implausible frame rate on a display with vertical sync."""
+        """Return a warning if the frame rate is implausible, else None."""
         if self.trusted or self.in_software:
             return None
         by = "the mode of the screen" if self.nominal_s else "assumption"
@@ -52,7 +52,7 @@ class Rhythm:
 
 
 def rhythm_of(intervals_s: Sequence[float], nominal_hz: float | None) -> Rhythm:
-    """Estimate the frame period from the intervals of some frames and the rate of the mode.
+    """Estimate the frame period from measured intervals and the nominal rate.
 
     >>> rhythm_of([0.0167] * 20, 60.0).trusted, rhythm_of([0.0044, 0.095, 0.02] * 7, 60.0).period_s
     (True, 0.016666666666666666)
@@ -73,9 +73,9 @@ def rhythm_of(intervals_s: Sequence[float], nominal_hz: float | None) -> Rhythm:
 
 
 def nominal_rate_hz(mode: Any) -> float | None:
-    """Return the frame rate of a screen's mode from pyglet, or None.
+    """Return the frame rate of a pyglet screen mode, or None.
 
-    X gives pixel clock (kHz) and pixels per frame with blanks, Windows and macOS the rate.
+    X states the pixel clock (kHz) and the pixels per frame including blanks, Windows and macOS the rate.
     """
     line = getattr(mode, "info", None)
     if line is None:
@@ -87,7 +87,7 @@ def nominal_rate_hz(mode: Any) -> float | None:
 
 
 class Pacer:
-    """Waits for the next frame where no vertical blank does."""
+    """Pacing of frames if the screen does not wait for vertical sync."""
 
     def __init__(self, rhythm: Rhythm) -> None:
         self.rhythm, self.in_software = rhythm, rhythm.in_software
@@ -95,20 +95,20 @@ class Pacer:
         self._n_fast = 0
 
     def wait(self) -> None:
-        """Return when the next frame is due."""
+        """Wait until the next frame is due."""
         if self.in_software:
             now_s = time.perf_counter()
             time.sleep(max(0.0, self._due_s - now_s))
             self._due_s = max(self._due_s, now_s) + self.rhythm.period_s
 
     def after(self, interval_s: float) -> None:
-        """Add a frame interval; many short ones imply missing vertical sync."""
+        """Add a frame interval. Many short intervals imply missing vertical sync."""
         self._n_fast = self._n_fast + 1 if interval_s < FASTEST * self.rhythm.period_s else 0
         self.in_software = self.in_software or self._n_fast >= N_TOO_FAST
 
 
 def timing_of(intervals_s: Sequence[float], period_s: float) -> dict[str, int | float | None]:
-    """Return the number of frames, dropped frames (whole periods), and quantiles of intervals, s.
+    """Return counts of frames and dropped frames, and quantiles of intervals, s.
 
     >>> timing_of([0.016, 0.017, 0.050], 1 / 60)["n_dropped_frames"]
     2

@@ -1,4 +1,4 @@
-"""PsychoPy's keyboard and the connected screens; the window passes PsychoPy in."""
+"""PsychoPy's keyboard, and the connected screens."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -11,15 +11,16 @@ from ..arguments.require import expect
 from ..errors import DeviceFailed, ended_by_signal
 
 N_WAITING_PRESSES = 50_000
-"""Size of the key queue. A full queue crashes the process, as psychtoolbox 3.0.22 then prints from a thread without
-Python's lock (found at PsychoPy's default of 5 000)."""
+"""Size of the key queue. A full queue crashes the process, because psychtoolbox 3.0.22 then prints from a thread
+without Python's lock (observed at PsychoPy's default of 5 000)."""
 
 
 @contextmanager
 def failing_as(what: str, cure: str) -> Iterator[None]:
-    """Turn PsychoPy's exceptions in the body into one sentence, with the cause between `what` and `cure`.
+    """Convert PsychoPy's exceptions in the body to one `DeviceFailed`.
 
-    Raises `DeviceFailed` if the body fails, or ends the program without a signal.
+    Its message states the cause between `what` and `cure`. This also applies if the body ends the program without a
+    signal.
     """
     try:
         yield
@@ -31,7 +32,7 @@ def failing_as(what: str, cure: str) -> Iterator[None]:
 
 def open_keyboard(psychopy: SimpleNamespace) -> Any:
     cure = "; on macOS allow the terminal 'Input Monitoring' in the privacy settings"
-    with failing_as("keyboard: PsychoPy could not open one", cure):
+    with failing_as("keyboard: PsychoPy could not open a keyboard", cure):
         keyboard = psychopy.keyboard.Keyboard(backend="ptb", bufferSize=2 * N_WAITING_PRESSES).device
         keyboard.start()
         keyboard.clearEvents()
@@ -41,18 +42,19 @@ def open_keyboard(psychopy: SimpleNamespace) -> Any:
 
 
 def keyboard_of_script(psychopy: SimpleNamespace) -> Any:
-    """Return PsychoPy's one keyboard of the process; a new one would lose the script's clock."""
+    """Return PsychoPy's keyboard of the process, which keeps the script's clock."""
     device = psychopy.keyboard.KeyboardDevice._instance
     if device is None:
         return open_keyboard(psychopy)
     if device.getBackend() != "ptb":
-        raise _lossy(device, "make it with keyboard.Keyboard(backend='ptb'), in Builder: settings, Input, PsychToolbox")
+        cure = "create it with keyboard.Keyboard(backend='ptb'), in Builder: settings, Input, PsychToolbox"
+        raise _lossy(device, cure)
     device.start()
     return device
 
 
 def _lossy(keyboard: Any, cure: str) -> DeviceFailed:
-    found = f"found PsychoPy's back end {keyboard.getBackend()!r}, which loses answers, expected 'ptb'"
+    found = f"found the back end {keyboard.getBackend()!r}, which loses answers, expected 'ptb'"
     return DeviceFailed(f"keyboard: {found}; {cure}")
 
 
@@ -60,10 +62,10 @@ N_REMEMBERED = 256
 
 
 class FreshPresses:
-    """Passes each (name, time) pair once.
+    """Filter that reports each press, a (name, time) pair, once.
 
-    PsychoPy reports a held press at its beginning and again, with the old time, at its end, and a tap only at its end.
-    Queried for both, it reports everything, some of it twice.
+    PsychoPy reports a held key when it is pressed and again, with the old time, when it is released. It reports a
+    short press only at its release. Querying both reports every press, some of them twice.
     """
 
     def __init__(self) -> None:
@@ -82,18 +84,13 @@ REPEAT_AFTER_S, REPEAT_EVERY_S = 0.4, 0.03
 
 
 class HeldKeys:
-    """Repeats the arrow that went down last while it is held; `state_of` returns True if a key is down.
-
-    >>> held = HeldKeys(lambda name: True)
-    >>> held.repeats([("left", 1.0)], now_s=1.1), held.repeats([], now_s=1.435)
-    ([], ['left', 'left'])
-    """
+    """Repetition of the arrow key that was pressed last, while it is held."""
 
     def __init__(self, state_of: Callable[[str], bool]) -> None:
         self._state_of, self._name, self._next_s = state_of, "", 0.0
 
     def repeats(self, fresh: Iterable[tuple[str, float]], now_s: float) -> list[str]:
-        """Return the due repetitions after fresh presses."""
+        """Return the repetitions that are due after these new presses."""
         for name, down_s in fresh:
             self._name, self._next_s = name, down_s + REPEAT_AFTER_S
         if self._name not in REPEATING or now_s < self._next_s:
@@ -108,7 +105,7 @@ class HeldKeys:
 
 @dataclass(frozen=True)
 class ConnectedScreen:
-    """A screen, numbered from 0, with its size in pixels."""
+    """Connected screen, numbered from 0, with its size in pixels."""
 
     number: int
     width_px: int
@@ -119,6 +116,6 @@ class ConnectedScreen:
 
 
 def check_screen(number: int, there: Sequence[ConnectedScreen]) -> None:
-    """Refuse a number that no screen has."""
+    """Raise an error if no screen has this number."""
     known = ", ".join(map(str, there))
-    expect(0 <= number < len(there), "[screen] screen", number, f"one that is connected ({known})")
+    expect(0 <= number < len(there), "[screen] screen", number, f"a connected screen ({known})")

@@ -1,4 +1,4 @@
-"""A rig with a simulated participant, in simulated time."""
+"""Rig with a simulated participant, in simulated time."""
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
@@ -47,7 +47,10 @@ if TYPE_CHECKING:
 
 
 class Sensation(Protocol):
-    """Model of a finger: sensation level of a signal in dB re the detection threshold, -inf for nothing."""
+    """Model of a finger.
+
+    Returns the sensation level of a signal in dB re the detection threshold, -inf if nothing is felt.
+    """
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float: ...
 
@@ -63,11 +66,11 @@ READING_S = 2.0
 AS_IT_IS = Feeling()
 
 Meeting = tuple[str, float, float]
-"""Contact conditions of a cell: stimulus, requested force (N) and speed (m/s), or 0."""
+"""Contact conditions of a cell: stimulus, requested force (N) and speed (m/s), 0 if not requested."""
 
 
 def meeting(stimulus: str, request: Play | Press | Slide | Adjust) -> Meeting:
-    """Return the stimulus, force and speed of a request, for any stimulus name."""
+    """Return the contact conditions of a request with any stimulus name."""
     force_n, speed_m_per_s = getattr(request, "target_n", None), getattr(request, "speed_m_per_s", None)
     return stimulus, force_n or 0.0, speed_m_per_s or 0.0
 
@@ -81,7 +84,7 @@ def value_of(liking: float, scale: Fill) -> float:
 
 
 Rendering = Callable[[str, float], Signal]
-"""Function from a stimulus and level to the final samples."""
+"""Function that returns the final samples of a stimulus and level."""
 N_SIGNALS = 128
 
 
@@ -92,16 +95,18 @@ def rendering(bank: Mapping[str, Stimulus], limits: Limits) -> Rendering:
 
 @dataclass(eq=False)
 class SimulatedRig(LiveRig):
-    """Answers as `observer` does to what `sensation` computes; checks limits as a bench does.
+    """Rig whose `observer` answers from what `sensation` computes.
 
-    - `decisions`: How each question is answered.
-    - `by_stimulus`: Models of single stimuli.
+    It checks the limits as a bench does.
+
+    - `decisions`: Decision rule of each question.
+    - `by_stimulus`: Finger models for some stimuli, instead of `sensation`.
     - `felt`: Description of the models for the journal.
     - `rendered`: Signals shared by several sessions.
-    - `feelings`: Deviations of this person by cell.
-    - `shift`: Change of this person after so many trials and answers.
-    - `rater`: Answers questionnaires, if not by the liking of the strength.
-    - `rng_of`: All randomness of trial n, so that a resumed session goes on unchanged.
+    - `feelings`: Deviations of this participant by cell.
+    - `shift`: Change of this participant after the given trials and answers.
+    - `rater`: Model that answers questionnaires. Without one, the liking of the strength does.
+    - `rng_of`: Random generator of trial n, so that a resumed session continues unchanged.
     """
 
     bank: Mapping[str, Stimulus]
@@ -154,7 +159,7 @@ class SimulatedRig(LiveRig):
         pass
 
     def _sense(self, request: Play | Press | Slide, contact: Contact, grip: Grip | None = None) -> str | None:
-        """Feel a stimulus and return its digest; None for a blank."""
+        """Compute the sensation of a stimulus and return its digest; None for a blank."""
         stimulus, level = request.stimulus, request.level
         self._met = meeting(stimulus, request)
         if level is None:
@@ -170,13 +175,13 @@ class SimulatedRig(LiveRig):
     def _fingers(
         self, request: Play | Press | Slide, level: float, contact: Contact
     ) -> Callable[[str], tuple[float, ...]] | None:
-        """Return what each finger would feel of any stimulus of the trial; None for a model with one place."""
+        """Return the levels at each finger, or None for a one-finger model."""
         if not issubclass(type(self._skin(request.stimulus)), OfFingers):
             return None
 
         def fingers_db(other: str) -> tuple[float, ...]:
             skin, feeling = self._skin(other), self._feeling(other, request)
-            assert isinstance(skin, OfFingers)  # alternatives are stimuli of one kind
+            assert isinstance(skin, OfFingers)  # all alternatives are stimuli of one kind
             felt_db = skin.fingers_db(self._rendered(other, level), contact)
             return tuple(each_db + feeling.deviation_db for each_db in felt_db)
 
@@ -195,7 +200,7 @@ class SimulatedRig(LiveRig):
         return feeling.felt_db(level, lambda: skin.sensation_db(signal, contact))
 
     def _pass(self, duration_s: float) -> float:
-        """Return the present time, and let `duration_s` pass."""
+        """Return the present time, then advance it by `duration_s`."""
         now_s = self._now_s
         self._now_s = round(now_s + duration_s, 9)
         return now_s
@@ -226,7 +231,7 @@ class SimulatedRig(LiveRig):
             return Chosen(1, *self._timing(1))
         if request.question == MISSED_PRACTICE:
             return Chosen(GO_ON, *self._timing(1))
-        if request.question.startswith(ABOUT):  # questions about a person have equally likely answers
+        if request.question.startswith(ABOUT):  # questions about the participant have equally likely answers
             return Chosen(int(self._rng.choice(request.options)), *self._timing(1))
         decision = lookup("question to the simulated participant", request.question, self.decisions)
         n_expected = decision.n_stimuli or len(request.options)
@@ -260,7 +265,7 @@ class SimulatedRig(LiveRig):
         return self._felt[-1].level_db if self._felt else 0.0
 
     def _adjust(self, request: Adjust) -> Adjusted:
-        """Step up until it is felt, or down until it is not."""
+        """Step up until the stimulus is felt, or down until it is not."""
         begin_s, felt = self._now_s, self._feels(request, 0)
         step, n_steps = (-1 if felt else 1), 0
         while self._feels(request, n_steps) == felt and request.low <= request.level(n_steps + step) <= request.high:
@@ -291,7 +296,7 @@ class SimulatedRig(LiveRig):
 
 
 def _whole_between(low: float, high: float, rng: np.random.Generator) -> float:
-    """Draw a whole number within bounds; their middle if there is none.
+    """Draw a whole number within bounds, or their middle if there is none.
 
     >>> _whole_between(18.0, 18.5, np.random.default_rng(1)), _whole_between(0.25, 0.75, np.random.default_rng(1))
     (18.0, 0.5)

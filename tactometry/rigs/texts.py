@@ -1,4 +1,4 @@
-"""Texts and images for the participant: those of the study, then the shipped language file."""
+"""Participant's texts and images, from the study or a shipped language file."""
 
 import io
 import re
@@ -19,7 +19,7 @@ from ..session.request import Question, Show
 _WIDE = re.compile(r"\d{4}")
 FOLDER = Path(__file__).parent
 PREFIX, SUFFIX = "messages_", ".toml"
-LIST: Final = "the list of tactometry keys texts"
+LIST: Final = "the list printed by tactometry keys texts"
 N_NEAREST: Final = 3
 """Number of similar names suggested for an unknown one."""
 LARGEST_IMAGE = 50_000_000
@@ -31,7 +31,7 @@ class ImageTable:
     """Image of a page.
 
     - `path`: A PNG or JPEG file, relative to the study file.
-    - `sha256`: SHA-256 of the file; an error message states the right one.
+    - `sha256`: SHA-256 of the file. If it is wrong, the error message states the correct value.
     """
 
     path: str
@@ -40,36 +40,36 @@ class ImageTable:
 
 @dataclass(frozen=True)
 class PageImage:
-    """File of an image, and its width over its height."""
+    """File of an image, and its ratio of width to height."""
 
     path: str
     ratio: float
 
 
 def image_of(table: ImageTable, where: str) -> PageImage:
-    """Check and measure the image of a table.
+    """Check the image of a table and return its file and proportions.
 
-    Raises `InvalidParameter` if the file cannot be read, differs from what the study states, or is no image.
+    Raises `InvalidParameter` if the file cannot be read, its SHA-256 differs from the table, or it is not an image.
     """
     from PIL import Image as Pillow, UnidentifiedImageError
 
     path = Path(table.path)
-    with rewording(lambda words: f"{where}.path: {words}; it is relative to the study file"):
+    with rewording(lambda words: f"{where}.path: {words}; the path is relative to the study file"):
         content = read_file(path, "an image", LARGEST_IMAGE)
     digest = sha256(content)
-    is_this = f"that of {path}, {digest!r}; state it, so that another file is not shown in its place"
+    is_this = f"that of {path}, {digest!r}; add it, so that no other file is shown instead"
     expect(table.sha256 == digest, f"{where}.sha256", repr(table.sha256) if table.sha256 else "no such key", is_this)
     try:
         width, height = Pillow.open(io.BytesIO(content)).size
     except (UnidentifiedImageError, OSError, Pillow.DecompressionBombError):
         width = height = 0
-    expect(width > 0, f"{where}.path", f"{table.path!r}, which is no image", "a PNG or a JPEG")
+    expect(width > 0, f"{where}.path", f"{table.path!r}, which is not an image", "a PNG or JPEG file")
     return PageImage(str(path.resolve()), width / height)
 
 
 @cache
 def languages() -> tuple[str, ...]:
-    """Return the shipped languages by their two letters."""
+    """Return the two-letter codes of the shipped languages."""
     return tuple(sorted(path.stem.removeprefix(PREFIX) for path in FOLDER.glob(f"{PREFIX}*{SUFFIX}")))
 
 
@@ -79,10 +79,10 @@ class Texts:
 
     - `messages`: Texts with ``{names}`` to fill.
     - `labels`: Labels of answers and levels in the participant's language.
-    - `language`: Its two letters.
-    - `stop`: Label of what stops a session.
-    - `shipped`: Fallback for messages of the study that cannot be filled.
-    - `images`: Images on pages of text, by message.
+    - `language`: Two-letter code.
+    - `stop`: Label of the key that stops a session.
+    - `shipped`: Fallback for messages of the study that cannot be filled in.
+    - `images`: Images on pages of text, by name of the message.
     """
 
     messages: Mapping[str, str]
@@ -93,24 +93,24 @@ class Texts:
     images: Mapping[str, PageImage] = field(default_factory=dict)
 
     def question(self, question: Question) -> tuple[str, str, str]:
-        """Return statement, left word and right word of a question in this language.
+        """Return statement, left label and right label of a question.
 
         Raises `InvalidParameter` if the questionnaire lacks this language.
         """
-        cure = "choose that language on the bench, or add the words"
-        expected = f"one of {', '.join(question.words)}; {cure}"
+        cure = "choose one of these languages on the bench, or add texts in this language"
+        expected = f"texts in one of {', '.join(question.words)}; {cure}"
         has_words = self.language in question.words
-        expect(has_words, f"item {question.item!r}", f"no words in {self.language!r}", expected)
+        expect(has_words, f"item {question.item!r}", f"no texts in {self.language!r}", expected)
         return question.words[self.language]
 
     def message(self, name: str, values: Mapping[str, str | int | float] | None = None) -> str:
-        """Return the text of a message, filled with `values`.
+        """Return the text of a message, filled in with `values`.
 
-        Raises `InvalidParameter` if it does not exist or lacks a value, and no shipped one serves.
+        Raises `InvalidParameter` if the message does not exist, or lacks a value and has no shipped fallback.
         """
         if name not in self.messages:
             raise InvalidParameter(
-                f"message {name!r}: found no text of this name, expected one in the study's texts or a name in {LIST}"
+                f"message {name!r}: found no text of this name, expected a name from the study's texts or from {LIST}"
                 f"{nearest(name, self.messages, N_NEAREST)}"
             )
         try:
@@ -121,18 +121,21 @@ class Texts:
             return _fill_in(name, self.shipped[name], values or {})
 
     def page(self, request: Show, left_s: int = 0) -> str:
-        """Return the text of a page, with its remaining seconds, the stop key, and lengths `x_m` also as `x_mm`."""
+        """Return the text of a page, filled in.
+
+        It may use the remaining seconds, the stop key, and each length `x_m` also as `x_mm`.
+        """
         shown = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
         names = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
         known = {**_lengths_mm(shown), **shown, "left_s": left_s, **names}
         return self.message(request.message, known)
 
     def in_language(self, words: Mapping[str, str]) -> str:
-        """Return words in this language, else in English, else nothing."""
+        """Return the words in this language, else in English, else nothing."""
         return words.get(self.language, words.get("en", ""))
 
     def label(self, word: str) -> str:
-        """Return a label in this language; an unknown one is returned unchanged."""
+        """Return a label in this language, or an unknown label unchanged."""
         return self.labels.get(word, word)
 
 
@@ -150,12 +153,12 @@ def _fill_in(name: str, text: str, values: Mapping[str, str | int | float]) -> s
     try:
         for _, _, form, _ in string.Formatter().parse(text):
             if form is not None and _WIDE.search(form):
-                raise ValueError(f"{form} asks for more letters than a page holds")
+                raise ValueError(f"{form} produces more letters than fit on a page")
         return text.format_map(values)
     except (KeyError, IndexError, ValueError, AttributeError, TypeError) as error:
         raise InvalidParameter(
-            f"message {name!r}: found a place that cannot be filled ({error}), expected the names "
-            f"{', '.join(sorted(values)) or '(none)'} in braces; write {{{{ and }}}} for a brace"
+            f"message {name!r}: found a placeholder that cannot be filled ({error}), expected the names "
+            f"{', '.join(sorted(values)) or '(none)'} in braces; for a literal brace write {{{{ and }}}}"
         ) from error
 
 
@@ -176,7 +179,7 @@ def phrases_in(language: str) -> Mapping[str, str]:
 
 
 def reason_words(reason: str) -> str:
-    """Return the English words for the reason of an invalid trial."""
+    """Return the English description of the reason why a trial is invalid."""
     return phrases_in("en")[reason]
 
 

@@ -1,4 +1,4 @@
-"""Reasons for which a touch is not valid, from its force and speed."""
+"""Reasons why a touch is invalid, from its force and speed."""
 
 from typing import Any, Final
 
@@ -7,15 +7,11 @@ from ..session.request import Press, Slide
 from ..trials.trial import Reason
 
 STANDING_PART: Final = 0.1
-"""Below this part of the target speed a finger has stopped (unverified default)."""
+"""Below this fraction of the target speed a finger has stopped (unverified default)."""
 
 
 def broken_condition(request: Press | Slide, force: Compliance, speed: SpeedCompliance | None) -> Reason | None:
-    """Return which condition of a touch was violated, force first; `speed` None is not gated.
-
-    >>> broken_condition(Press("tone", 5.0, 0.3, 1.0, 0.2, 0.1, 5.0), Compliance(0.7, 0.1, in_band=0.5), None)
-    'too_light'
-    """
+    """Return the condition that a touch violated; `speed` None is not checked."""
     if force.in_band < VALID_PART:
         return "too_light" if force.mean_n < request.target_n else "too_heavy"
     if speed is None or speed.in_band >= VALID_PART or isinstance(request, Press):
@@ -24,7 +20,7 @@ def broken_condition(request: Press | Slide, force: Compliance, speed: SpeedComp
 
 
 def fault_of_speed(speed_m_per_s: float, target_m_per_s: float) -> Reason:
-    """Return what is wrong with a speed outside its band.
+    """Return the reason why a speed is outside its band.
 
     >>> fault_of_speed(0.001, 0.05), fault_of_speed(0.03, 0.05), fault_of_speed(0.08, 0.05)
     ('stopped', 'too_slow', 'too_fast')
@@ -35,7 +31,7 @@ def fault_of_speed(speed_m_per_s: float, target_m_per_s: float) -> Reason:
 
 
 def compliance_fields(force: Compliance | None, speed: SpeedCompliance | None) -> dict[str, Any]:
-    """Return compliance of force and speed as fields of an answer; None if not measured."""
+    """Return the compliance of force and speed, None if not measured."""
     names = ("force_mean_n", "force_sd_n", "force_in_band")
     of_force = [None] * len(names) if force is None else [round(value, 6) for value in force]
     speed_in_band = None if speed is None else round(speed.in_band, 6)

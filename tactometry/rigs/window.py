@@ -1,7 +1,7 @@
-"""The participant's screen and keyboard with PsychoPy; no other module imports it.
+"""Participant's screen and keyboard with PsychoPy, imported only here.
 
-Measured with PsychoPy 2026.2.5: text and plain shapes are cheap, only the `ptb` back end reports all keys, its clock is
-the wall clock on Linux, and polling misses taps.
+Measured with PsychoPy 2026.2.5: text and plain shapes are fast to draw. Only the `ptb` back end reports all keys,
+its clock is the wall clock on Linux, and polling misses short presses.
 """
 
 import ctypes
@@ -50,7 +50,7 @@ def _psychopy() -> SimpleNamespace:
         if getattr(sys, "is_pyglet_doc_run", False):
             raise DeviceFailed(
                 "window: found sphinx in this process, which stops pyglet from drawing, expected a process without it"
-                "; start the session in another one, or import tactometry.rigs.window and call load_psychopy first"
+                "; start the session in another process, or import tactometry.rigs.window and call load_psychopy first"
             )
         from psychopy import event, monitors, visual
         from psychopy.hardware import keyboard
@@ -61,7 +61,8 @@ def _psychopy() -> SimpleNamespace:
 def load_psychopy() -> SimpleNamespace:
     """Import PsychoPy.
 
-    Raises `DeviceFailed` if it or a system library is missing, there is no display, or sphinx is imported.
+    Raises `DeviceFailed` if PsychoPy or a system library is missing, if there is no display, or if sphinx is
+    imported.
     """
     with failing_as(*NO_DISPLAY):
         try:
@@ -73,7 +74,7 @@ def load_psychopy() -> SimpleNamespace:
             ) from error
         except ImportError as error:
             raise DeviceFailed(
-                f"window: a library of the system is missing ({error}); on Debian: "
+                f"window: a system library is missing ({error}); on Debian: "
                 "apt-get install libgl1 libglu1-mesa libfontconfig1 libportaudio2"
             ) from error
 
@@ -81,11 +82,11 @@ def load_psychopy() -> SimpleNamespace:
 class Window(Display):
     """A `Display` with PsychoPy.
 
-    - `fullscreen`: Take the whole screen; else `size` (pixels).
+    - `fullscreen`: True fills the whole screen, else the window has `size` (pixels).
     - `screen`: Number of the display, from 0.
 
-    Raises `InvalidParameter` if there is no such display, `DeviceFailed` if there is none, or no keyboard that keeps
-    all presses.
+    Raises `InvalidParameter` if no display has this number. Raises `DeviceFailed` if there is no display, or no
+    keyboard that reports all presses.
     """
 
     def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None, screen: int = 0) -> None:
@@ -101,16 +102,17 @@ class Window(Display):
 
     @classmethod
     def adopt(cls, window: Any) -> Self:
-        """Use the window of a PsychoPy script for pages within it.
+        """Use the window of a PsychoPy script to show pages.
 
-        From the first page until `give_back` it is ours: own background, nothing of the script is drawn, inputs go to
-        the pages. Then everything is restored. It is never closed here.
+        From the first page until `give_back` the pages set the background and receive all input, and the script's
+        stimuli are hidden. Then everything is restored. The window is never closed here.
 
-        Raises `InvalidParameter` if it is no open window, `DeviceFailed` if the script's keyboard loses keys.
+        Raises `InvalidParameter` if the window is not open, `DeviceFailed` if the script's keyboard loses key
+        presses.
         """
         psychopy = load_psychopy()
         is_window = isinstance(window, psychopy.visual.Window)
-        found = "one that is closed" if is_window else f"{type(window).__name__}"
+        found = "a closed window" if is_window else f"{type(window).__name__}"
         is_open = is_window and not window._closed
         expect(is_open, "Window.adopt", found, "an open psychopy.visual.Window")
         adopted = cls.__new__(cls)
@@ -147,7 +149,7 @@ class Window(Display):
             self._borrowed.give_back()
 
     def _rhythm(self) -> Rhythm:
-        """Measure the frame period, up to `N_MEASUREMENTS` times, as opening a window disturbs it."""
+        """Measure the frame period again if opening the window disturbed it."""
         self._borrowed.take()
         nominal_hz = nominal_rate_hz(_mode_of(self._window.winHandle.screen))
         for _ in range(N_MEASUREMENTS):
@@ -189,7 +191,7 @@ class Window(Display):
         self._draw(page)
         self._window.mouseVisible = bool(page.buttons)
         self._psychopy.pyglet.gl.glFinish()  # wait for slow software rendering
-        self._window.winHandle.dispatch_events()  # clicks are stamped when dispatched
+        self._window.winHandle.dispatch_events()  # clicks get their time stamp when they are dispatched
         self._offered_s = time.perf_counter()
         self._flipped_s = self._flip()
         return self._flipped_s
@@ -259,7 +261,7 @@ class Window(Display):
         self._opened.close()
 
     def picture(self, page: Page) -> Any:
-        """Return the page as a PIL image, drawn but not shown."""
+        """Draw the page and return it as a PIL image without showing it."""
         self._draw(page)
         image = self._window.getMovieFrame(buffer="back").copy()
         self._window.movieFrames = []
@@ -272,7 +274,10 @@ class Window(Display):
 
 
 def _mode_of(screen: Any) -> Any:
-    """Return the mode of a screen; None if its X server lacks it, as Xlib would print an error."""
+    """Return the mode of a screen, or None.
+
+    None if the X server does not support modes, because Xlib would print an error.
+    """
     server = getattr(screen.display, "_display", None)
     if server is not None:
         from pyglet.libs.x11 import xlib
@@ -287,7 +292,7 @@ def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int
     monitor = psychopy.monitors.Monitor("tactometry", width=UNSTATED_WIDTH_CM, distance=VIEWING_DISTANCE_CM)
     monitor.setSizePix(size or (1280, 800))
     cure = "; check that DISPLAY names a screen with 24-bit colour and OpenGL"
-    with failing_as("window: PsychoPy could not open one", cure):
+    with failing_as("window: PsychoPy could not open a window", cure):
         return psychopy.visual.Window(
             size=size or (1280, 800),
             fullscr=fullscreen,

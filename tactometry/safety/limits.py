@@ -17,24 +17,24 @@ ROUNDING = 1e-12
 """Relative excess that counts as rounding."""
 
 LONGEST_SIGNAL_S = 60.0
-"""Default limit of a signal without a connected load, s (unverified default)."""
+"""Default longest duration of a signal without a connected load, s (unverified default)."""
 
 FORCE_PEAK_N = 10.0
-"""Default limit of the finger's force, N: several times the forces of touches in the literature, and less than small
-force sensors and thin glass withstand (unverified default)."""
+"""Default limit of the finger's force, N. It is several times the force of touches in the literature, and below the
+force that small force sensors and thin glass withstand (unverified default)."""
 
 STOP_WITHIN_S: Final = 0.1
-"""Default limit of the delay of a stop, s. A driver that cannot confirm a stop by then has failed (unverified
-default)."""
+"""Default longest delay of a stop, s. A driver that cannot confirm a stop by then has failed (unverified default)."""
 
 LONGEST_WINDOW_S: Final = 3600.0
-"""Longest window of a duty, s; a longer one would allow signals without a pause for too long (unverified default)."""
+"""Longest window of a duty, s. A longer window would allow signals without a pause for too long (unverified
+default)."""
 
 NEEDED = {
     "electrode": ("duration_s", "duty", "session_s"),
     "piezo": ("duration_s", "displacement_peak_m", "duty", "session_s"),
 }
-"""Limits without which a connected load gets nothing; current or charge is needed by both."""
+"""Limits that a connected load of each kind requires. Both kinds also require a limit of current or charge."""
 
 
 @dataclass(frozen=True)
@@ -42,24 +42,26 @@ NEEDED = {
 class Limits:
     """Largest values that an output may emit. None means not stated.
 
-    Each but `duty` and `duty_window_s` may be `UNLIMITED`; a file may state a number up to its bound in `HIGHEST`.
+    All values except `duty` and `duty_window_s` may be `UNLIMITED`. A file may state numbers up to the bound in
+    `HIGHEST`.
 
     - `voltage_peak_v`: Peak voltage on any channel, above 0.
-    - `duration_s`: Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
+    - `duration_s`: Longest single signal, above 0. The default is `LONGEST_SIGNAL_S`, but a connected load requires a
+      value.
     - `current_peak_a`: Highest current into the load of any channel, above 0.
     - `charge_peak_c`: Highest charge into the load of any channel, above 0.
     - `displacement_peak_m`: Peak displacement of the surface, above 0.
-    - `duty`: Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
-    - `session_s`: Longest duration of a session with an output, above 0, at most 24 h in a file: over all its sittings,
-      without the time between.
-    - `charge_session_c`: Largest sum, over a session, of the charges that its signals pass through the leak of a load,
-      whatever their signs, above 0. A signal that plays counts with the largest charge of any of its beginnings, one
-      that was stopped with what was emitted by then, a complete one with its net charge.
-    - `force_peak_n`: Above this force of the finger nothing plays, above 0.
-    - `duty_window_s`: The time over which `duty` holds, above 0, at most 1 h.
-    - `stop_within_s`: Largest worst-case delay of a stop, above 0; without it 0.1 s.
+    - `duty`: Largest fraction of any `duty_window_s` during which signals play, above 0, at most 1.
+    - `session_s`: Longest duration of a session with an output, above 0, at most 24 h in a file. It includes all
+      sittings, without the breaks between them.
+    - `charge_session_c`: Largest sum of the absolute charges that the signals of a session pass through the leak of a
+      load, above 0. A complete signal counts with its net charge and a stopped signal with the charge emitted until
+      then. A playing signal counts with the largest charge that it may pass until a stop.
+    - `force_peak_n`: Force of the finger above which nothing plays, above 0.
+    - `duty_window_s`: Time window of `duty`, above 0, at most 1 h.
+    - `stop_within_s`: Longest worst-case delay of a stop, above 0. The default is 0.1 s.
 
-    Raises `InvalidParameter` if a value is not as stated.
+    Raises `InvalidParameter` if a value is outside these ranges.
     """
 
     voltage_peak_v: Positive | Unlimited
@@ -85,7 +87,7 @@ class Limits:
 
     @property
     def longest_stop_s(self) -> float:
-        """Largest worst-case delay of a stop, s."""
+        """Longest worst-case delay of a stop, s."""
         return STOP_WITHIN_S if self.stop_within_s is None else self.stop_within_s
 
     @property
@@ -93,9 +95,10 @@ class Limits:
         return tuple(name for name, value in vars(self).items() if isinstance(value, Unlimited))
 
     def check(self, signal: Signal) -> None:
-        """Refuse a signal that exceeds a limit which applies to any load.
+        """Refuse a signal that exceeds a limit that applies without a load, too.
 
-        Raises `LimitExceeded` if the unit is not volt, or peak or duration is too large; 1e-12 (relative) is rounding.
+        Raises `LimitExceeded` if the unit is not volt, or if peak or duration is too large. A relative excess of
+        1e-12 counts as rounding.
         """
         if signal.unit != "V":
             raise LimitExceeded(f"limits: found a signal in {signal.unit!r}, expected volt ('V'); nothing was played")
@@ -103,28 +106,26 @@ class Limits:
         _check("duration_s", "a signal of", signal.duration_s, self.longest_s, "s", "shorten it")
 
     def check_load(self, signal: Signal, load: Load, rise_s: float = math.inf) -> None:
-        """Refuse a signal above a limit of the load, or without stated limits.
+        """Refuse a signal that exceeds a limit of the load.
 
-        A finite `rise_s` is the shortest time in which playing weakens the samples from all to nothing.
+        `rise_s` is the shortest time in which the finger weakens the samples from full size to nothing; infinite if it
+        does not weaken them.
 
         Raises `LimitExceeded` if a limit is missing, cannot be computed, or is exceeded.
         """
         self.check_stated(load)
         if self.current_peak_a is not None:
             peak_a = load.current_peak_a(signal, rise_s)
-            _check("current_peak_a", "a peak of", peak_a, self.current_peak_a, "A", "lower the level or its slopes")
+            _check("current_peak_a", "a peak of", peak_a, self.current_peak_a, "A", "lower the level or the slopes")
         if self.charge_peak_c is not None:
             peak_c = load.charge_peak_c(signal, rise_s)
-            _check("charge_peak_c", "a peak of", peak_c, self.charge_peak_c, "C", "lower the level or shorten it")
+            _check("charge_peak_c", "a peak of", peak_c, self.charge_peak_c, "C", "lower the level or the duration")
         if self.displacement_peak_m is not None:
             peak_m = load.displacement_peak_m(signal)
             _check("displacement_peak_m", "up to", peak_m, self.displacement_peak_m, "m", "lower the level")
 
     def check_filtered(self, signal: Signal, load: Load | None, rise_s: float = math.inf) -> None:
-        """Refuse a signal above a limit between samples, after the filter.
-
-        An excess of up to `TOLERANCE` is played.
-        """
+        """Refuse a signal whose filtered course exceeds a limit by `TOLERANCE`."""
         peaks: dict[str, tuple[str, Callable[[float], float]]] = {
             "voltage_peak_v": ("V", lambda bound: filtered_peak_v(signal, bound))
         }
@@ -133,7 +134,7 @@ class Limits:
             peaks["charge_peak_c"] = "C", lambda bound: load.filtered_charge_c(signal, bound, rise_s)
             peaks["displacement_peak_m"] = "m", lambda bound: load.filtered_displacement_m(signal, bound)
         what = "between two samples, after the reconstruction filter, a peak of"
-        cure = "smooth its steps and highest frequencies, or lower the level"
+        cure = "smooth steps and high frequencies of the signal, or lower the level"
         for name, (unit, peak) in peaks.items():
             limit = getattr(self, name)
             if limit is not None:
@@ -163,11 +164,11 @@ class Limits:
 
     def check_stop(self, delay_s: float) -> None:
         """Refuse an output whose stop may take longer than the limit."""
-        cure = "lower latency_s and block_s of the output, or state another limit in the bench file"
+        cure = "lower latency_s and block_s of the output, or raise the limit in the bench file"
         _check("stop_within_s", "an output that may stop after", delay_s, self.longest_stop_s, "s", cure)
 
     def facts(self) -> dict[str, float | str]:
-        """Return the stated limits, for the head of a journal.
+        """Return the stated limits for the head of a journal.
 
         >>> sorted(Limits(100.0, duty=0.5).facts())
         ['limit_duty', 'limit_duty_window_s', 'limit_force_peak_n', 'limit_voltage_peak_v']
@@ -181,24 +182,24 @@ class Limits:
     def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float, charge_c: float = 0.0) -> None:
         """Refuse a signal that exceeds duty, session time or session charge.
 
-        `charge_c` is the largest charge of any beginning of the signal, which may be stopped at any time.
+        `charge_c` is the largest charge that the signal may pass until a stop at any time.
         """
         if self.duty is not None:
             duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s
             cure = exposure.cure(begin_s, duration_s, self.duty_window_s, self.duty * self.duty_window_s)
-            _check("duty", "signals in a part of", duty, self.duty, "of the time", cure)
+            _check("duty", "signals during", duty, self.duty, "of the time", cure)
         if self.session_s is not None:
             end_s = begin_s + duration_s - exposure.opened_s
-            _check("session_s", "a session of", end_s, self.session_s, "s", "end it and let the participant rest")
+            _check("session_s", "a session of", end_s, self.session_s, "s", "end the session")
         if self.charge_session_c is not None:
             sum_c = exposure.charge_c + exposure.playing_c + charge_c
             _check("charge_session_c", "net charges of", sum_c, self.charge_session_c, "C", "end the session")
 
     def tighter(self, other: "Limits") -> "Limits":
-        """Return the tighter of both for each limit.
+        """Return the tighter of both values for each limit.
 
-        A stated limit counts against an unstated one. Duties over windows of different lengths do not compare: the
-        shorter playing time in the longer window keeps both.
+        If only one value is stated, it applies. Duties of different windows cannot be compared, so the result has the
+        longer window and the shorter playing time.
 
         >>> both = Limits(200.0, duration_s=1.0).tighter(Limits(100.0, current_peak_a=1e-3))
         >>> both.voltage_peak_v, both.duration_s, both.current_peak_a
@@ -212,7 +213,7 @@ class Limits:
         if not duties:
             return replace(self, **smallest)
         longest_s = max(window_s for _, window_s in duties)
-        # scaled by the ratio of windows, so that a duty over the same window keeps its exact value
+        # scaled by the ratio of windows, so that equal windows keep the exact duty
         duty = min(duty * (window_s / longest_s) for duty, window_s in duties)
         return replace(self, **smallest, duty=duty, duty_window_s=longest_s)
 
@@ -221,8 +222,8 @@ class Limits:
 class Exposure:
     """Recent emissions of an output as intervals (begin, end), s.
 
-    Times are on the clock of `opened_s`. `opened_s` is when the session would have begun without breaks; `charge_c` the
-    sum of charges of ended signals, `playing_c` the largest that the playing signal may pass.
+    Times are on the clock of `opened_s`, which is when the session would have begun without breaks. `charge_c` is the
+    total charge of ended signals, `playing_c` the largest charge that the playing signal may pass.
 
     >>> exposure = Exposure(opened_s=0.0).after(1.0, 2.0, window_s=10.0).after(5.0, 2.0, window_s=10.0)
     >>> exposure.played_s, exposure.stopped(5.5).played_s, exposure.after(10.0, 2.0, window_s=10.0).played_s
@@ -239,7 +240,7 @@ class Exposure:
         return sum(end_s - begin_s for begin_s, end_s in self.intervals_s)
 
     def after(self, begin_s: float, duration_s: float, window_s: float, charge_c: float = 0.0) -> "Exposure":
-        """Add a signal, and forget what left the window."""
+        """Add a signal, and drop emissions before the window."""
         end_s = begin_s + duration_s
         first_s = end_s - window_s
         # a new signal ends the playing one, so that no time counts twice
@@ -262,11 +263,11 @@ class Exposure:
         """
         played = self.stopped(begin_s)
         to_forget_s = played.played_s + duration_s - most_s
-        for a, b in played.intervals_s:  # the oldest leaves the window first
+        for a, b in played.intervals_s:  # the oldest emissions leave the window first
             if to_forget_s <= b - a:
                 # the window ends with the signal; begin it late enough to exclude the excess
                 wait_s = a + to_forget_s + window_s - duration_s - begin_s
-                return f"wait {math.ceil(10 * wait_s) / 10:.1f} s"  # rounded up, or it would be refused again
+                return f"wait {math.ceil(10 * wait_s) / 10:.1f} s"  # rounded up, so that the signal is accepted then
             to_forget_s -= b - a
         return "shorten the signal"
 

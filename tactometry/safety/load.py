@@ -1,8 +1,8 @@
 """Current, charge and displacement of a load for a given voltage.
 
-The voltage is a straight line between two samples, and from and to zero at the ends; `Load` is exact for it. Quantities
-called filtered are those after a reconstruction filter (`reconstruction`). Functions with a bound return some number up
-to it if the peak is below.
+The voltage is a straight line between two samples, and from and to zero at the ends. `Load` is exact for this
+voltage. Filtered quantities are those after a reconstruction filter (`reconstruction`). Functions with a bound
+return a number up to the bound if the peak is below it.
 """
 
 import math
@@ -21,9 +21,9 @@ from .reconstruction import course_peak, largest
 class PassedCharge:
     """Charge through the leak of a load during one signal.
 
-    - `passed_c`, `absolute_c`: Integral of v/R and of abs(v)/R from the beginning to each sample, and to the end of the
-      line that returns to zero, C.
-    - `rise_s`: Finite for a signal that the finger weakens: then only `absolute_c` bounds its charge.
+    - `passed_c`, `absolute_c`: Integrals of v/R and of abs(v)/R, C, from the beginning to each sample, and to the final
+      return to zero.
+    - `rise_s`: As in `Limits.check_load`. If it is finite, only `absolute_c` bounds the charge.
 
     >>> balanced = Signal(np.array([[100.0] * 50 + [-100.0] * 50]), rate_hz=100.0, unit="V")
     >>> charge = Load("electrode", 1e-9, leak_resistance_ohm=1e6).passed_c(balanced)
@@ -43,10 +43,10 @@ class PassedCharge:
 
     @property
     def largest_c(self) -> float:
-        """Upper bound of the charge of any beginning of the signal, C.
+        """Upper bound of the charge when the signal is stopped at any time, C.
 
-        Between two samples of opposite signs the extremum lies above both ends by at most the smaller triangle there;
-        it is bounded by half of what the piece passes in both directions.
+        Between two samples of opposite signs, the extremum exceeds both ends by at most the smaller of the two
+        triangles. It is bounded by half of the charge that passes in both directions.
         """
         if math.isfinite(self.rise_s):
             return self.net_c
@@ -58,8 +58,8 @@ class PassedCharge:
     def stopped_c(self, after_s: float, late_s: float) -> float:
         """Return an upper bound of the charge of a stopped signal, C.
 
-        - `after_s`: From the first sample to the stop, s.
-        - `late_s`: Longest time from a stop to zero output, s.
+        - `after_s`: Time from the first sample to the stop, s.
+        - `late_s`: Longest time from the stop to zero output, s.
         """
         last = self.passed_c.shape[1] - 1
         begin = min(max(math.floor(after_s * self.rate_hz), 0), last)
@@ -72,13 +72,13 @@ class PassedCharge:
 @dataclass(frozen=True)
 @constrained
 class Load:
-    """A capacitance with a leak in parallel, the same on every channel.
+    """Capacitance with a leak in parallel, the same on every channel.
 
     - `kind`: ``electrode`` (electrovibration: a finger on an insulated electrode) or ``piezo``.
     - `capacitance_f`: Largest capacitance that may be connected to a channel, above 0.
-    - `leak_resistance_ohm`: Parallel to it, above 0; ``inf`` is no leak.
-    - `displacement_m_per_v`: Of each channel (or one value for all): the largest displacement per peak volt, above 0.
-      For an impulse response h (m per V) this is the sum of abs(h), reached by a one-bit drive.
+    - `leak_resistance_ohm`: Resistance parallel to the capacitance, above 0. ``inf`` means no leak.
+    - `displacement_m_per_v`: Largest displacement per peak volt, above 0, for each channel, or one value for all. For
+      an impulse response h (m per V) it is the sum of abs(h), which a one-bit drive reaches.
 
     >>> finger = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e6)
     >>> ramp = Signal(np.array([[0.0, 50.0, 100.0, 50.0, 0.0]]), rate_hz=1e4, unit="V")
@@ -100,21 +100,21 @@ class Load:
     def current_peak_a(self, signal: Signal, rise_s: float = math.inf) -> float:
         """Return the largest abs(C dv/dt + v/R) on any channel, A.
 
-        For samples weakened by parts that change from 0 to 1 in `rise_s` at the fastest, a bound: (g v)' is g v' + g'
-        v.
+        If the samples are multiplied by a factor g that changes from 0 to 1 in `rise_s` at the fastest, it is an
+        upper bound: (g v)' is g v' + g' v.
         """
         peaks_a = []
         for channel in signal.samples:
             before, after, slope = _lines(channel, signal.rate_hz)
             slope *= self.capacitance_f
-            # along a straight line the current is linear, so its largest value is at an end
+            # the current is linear along a straight line, so its largest value is at an end
             peaks_a += [largest(slope + v / self.leak_resistance_ohm) for v in (before, after)]
         return max(peaks_a) + self.capacitance_f * signal.peak / rise_s
 
     def charge_peak_c(self, signal: Signal, rise_s: float = math.inf) -> float:
         """Return the largest abs(C v + integral of v/R) on any channel, C.
 
-        With a finite `rise_s` a bound: that of all charge with one sign.
+        With a finite `rise_s` it is an upper bound, which adds the charge of all samples with the same sign.
         """
         if math.isfinite(rise_s):
             return self.capacitance_f * signal.peak + self.passed_c(signal, rise_s).net_c
@@ -129,25 +129,25 @@ class Load:
     def passed_c(self, signal: Signal, rise_s: float = math.inf) -> "PassedCharge":
         """Return the charge through the leak during a signal.
 
-        With a finite `rise_s` a bound: the charge if all samples had the same sign.
+        With a finite `rise_s` it is an upper bound: the charge if all samples had the same sign.
         """
         return PassedCharge(self._passed(signal), self._passed(signal, absolute=True), signal.rate_hz, rise_s)
 
     def _passed(self, signal: Signal, *, absolute: bool = False) -> FloatArray:
-        """Integrate v/R, or abs(v)/R: (n_channels, n_samples + 1), C."""
+        """Integrate v/R, or abs(v)/R, C: (n_channels, n_samples + 1)."""
         areas_of = _absolute_areas_v if absolute else _areas_v
         passed = np.array([np.cumsum(areas_of(*_lines(channel, signal.rate_hz)[:2])) for channel in signal.samples])
         passed /= signal.rate_hz * self.leak_resistance_ohm
         return passed
 
     def displacement_peak_m(self, signal: Signal) -> float:
-        """Return an upper bound of the displacement of any course, m."""
+        """Return an upper bound of the displacement at any time, m."""
         return float(np.sum(self._gains(signal) * _channel_peaks(signal)))
 
     def _gains(self, signal: Signal) -> FloatArray:
         gains, n_channels = self.displacement_m_per_v or (), len(signal.samples)
         sizes = f"{len(gains)} values for {n_channels} channels"
-        expect(len(gains) in (1, n_channels), "Load.displacement_m_per_v", sizes, "one for each, or one for all")
+        expect(len(gains) in (1, n_channels), "Load.displacement_m_per_v", sizes, "one per channel, or one for all")
         return np.asarray(gains)
 
     def filtered_current_a(self, signal: Signal, bound_a: float, rise_s: float = math.inf) -> float:
@@ -164,7 +164,7 @@ class Load:
     def filtered_charge_c(self, signal: Signal, bound_c: float, rise_s: float = math.inf) -> float:
         """Return the peak filtered charge, C, if above `bound_c`.
 
-        The part that passes the leak is that of straight lines between the samples.
+        The charge through the leak is that of straight lines between the samples.
         """
         if math.isfinite(rise_s):
             leaked_c = self.passed_c(signal, rise_s).net_c
@@ -180,7 +180,7 @@ class Load:
         gains, peaks_v, of_samples_m = self._gains(signal), _channel_peaks(signal), self.displacement_peak_m(signal)
         if of_samples_m == 0.0:
             return 0.0
-        # below the bound if no channel grows by more than the sum allows
+        # the sum is below the bound if no channel grows by more than this ratio
         bounds_v = peaks_v * (bound_m / of_samples_m)
         pairs = zip(signal.samples, bounds_v.tolist(), strict=True)
         if all(course_peak(channel, bound_v) <= bound_v for channel, bound_v in pairs):
@@ -198,7 +198,7 @@ class Load:
         turning_v = slope * (-self.capacitance_f * self.leak_resistance_ohm)
         inside = np.flatnonzero((slope != 0) & ((turning_v - before) * (turning_v - after) < 0))
         turning_v, end_v = turning_v[inside], after[inside]
-        # back from the sample: the integral of v/R along a straight line is that of v dv / (slope R)
+        # from there to the sample: the integral of v/R along the line is that of v dv / (slope R)
         leaked = (end_v**2 - turning_v**2) / slope[inside] / (2 * self.leak_resistance_ohm)
         return np.asarray(at_samples[inside] - self.capacitance_f * (end_v - turning_v) - leaked)
 
@@ -219,13 +219,13 @@ def _areas_v(before: FloatArray, after: FloatArray) -> FloatArray:
 def _absolute_areas_v(before: FloatArray, after: FloatArray) -> FloatArray:
     areas_v = _areas_v(np.abs(before), np.abs(after))
     across = np.flatnonzero(before * after < 0)
-    # a piece that crosses zero has two triangles
+    # a line that crosses zero has two triangles
     areas_v[across] = (before[across] ** 2 + after[across] ** 2) / (4 * areas_v[across])
     return areas_v
 
 
 def _lines(samples_v: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return voltages at both ends of each piece (V), and slopes (V/s)."""
+    """Return voltages at both ends of each line (V), and slopes (V/s)."""
     padded = np.pad(samples_v, 1)
     slope = np.diff(padded)
     slope *= rate_hz

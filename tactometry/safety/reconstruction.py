@@ -1,8 +1,8 @@
 """Peaks of a voltage between samples, after a reconstruction filter.
 
-The filter is taken as ideal: each sample becomes a sinc, cut off smoothly at `REACH` samples, and all samples before
-and after the signal are zero. The course is computed in blocks by FFT, at 2 points per sample, then at 4, and so on up
-to `N_PHASES`. A block is left out as soon as no point between those computed can be above the bound.
+The filter is assumed to be ideal. Each sample becomes a sinc function, tapered to zero at `REACH` samples. All
+samples before and after the signal are zero. The course is computed in blocks by FFT at 2 points per sample, then at
+4, and so on up to `N_PHASES`. A block is left out once no value between its points can exceed the bound.
 """
 
 import functools
@@ -15,32 +15,33 @@ from numpy.typing import NDArray
 from ..signal import FloatArray
 
 REACH: Final = 512
-"""Samples on either side that count for a point, half of them with full weight. Filters of converters use some 30."""
+"""Number of samples on either side that contribute to a point, half of them with full weight. Filters of converters
+use about 30."""
 BLOCK: Final = 4096
-"""Samples of an FFT. A block shares `REACH` samples on either side with its neighbours."""
+"""Number of samples of an FFT. A block shares `REACH` samples on either side with its neighbours."""
 N_PHASES: Final = 32
-"""Points per sample, at most. A peak is at most 0.12 % (1/cos(pi/64)) above the nearest point."""
+"""Largest number of points per sample. A peak is at most 0.12 % (1/cos(pi/64)) above the nearest point."""
 TOLERANCE: Final = 1e-3
-"""Relative excess of a peak between samples that is still played, about the error of `N_PHASES`. It allows for the
+"""Relative excess of a peak between samples that is accepted, about the error of `N_PHASES`. It allows for the
 ringing of a smooth tone whose samples are at the limit (unverified default)."""
 ROUNDING: Final = 1e-5
-"""Largest error of the single precision and of the cut-off, relative to the largest term of a course."""
+"""Largest error of single precision and of the taper, relative to the largest term of a course."""
 AT_ONCE: Final = 16
-"""Blocks that are computed together, so few that they stay in the cache of a processor."""
+"""Number of blocks computed together, so few that they fit into the processor cache."""
 
 _INNER: Final = slice(REACH, BLOCK - REACH)
 _HOP: Final = BLOCK - 2 * REACH - 1
-"""Neighbours share a sample, so that the point next to a peak is in the block of the peak."""
+"""Neighbouring blocks share a sample, so that the point next to a peak is in the peak's block."""
 _Floats = NDArray[np.float32]
 
 
 class _Kernel(NamedTuple):
     """Weights of samples around a point, at each phase between samples.
 
-    - `most`: Largest sum of absolute weights: bounds a course by its largest sample.
-    - `curved`, `bent`: Bound the distance of a course from straight lines between its samples, and the second
-      derivative of a course: the first number times the largest second difference, and the other two times the largest
-      second and fourth.
+    - `most`: Largest sum of absolute weights. Times the largest sample, it bounds the course.
+    - `curved`, `bent`: Bounds of the course's distance from straight lines between samples, and of its second
+      derivative. The bound is the first number times the largest second difference, or the sum of the other two times
+      the largest second and fourth differences.
     """
 
     spectra: NDArray[np.complex64]
@@ -54,10 +55,11 @@ def course_peak(
 ) -> float:
     """Return the peak of abs(value * y + slope * y' + added) above `bound`.
 
-    Otherwise return some number from 0 to `bound`. The exact peak is at most 0.13 % above the result or the bound.
+    If there is none, return a number from 0 to `bound`. The exact peak is at most 0.13 % above the result or the bound.
 
-    - `value`, `slope`: Weights of the course y after the filter, and of its change y' in the time of one sample.
-    - `added`: On straight lines between the samples: 0 before the first and constant after the last sample.
+    - `value`, `slope`: Weights of the filtered course y, and of its change y' per sample interval.
+    - `added`: Values at the samples, with straight lines between them. 0 before the first sample and constant after the
+      last one.
 
     >>> quarter_rate = np.sin(np.pi / 2 * np.arange(4000) + np.pi / 4) * np.hanning(4000)
     >>> round(float(np.max(np.abs(quarter_rate))), 3), round(course_peak(quarter_rate, bound=0.9), 3)
@@ -131,9 +133,9 @@ def _by_differences(
 def _peak(
     kernels: NDArray[np.complex64], bound: float, samples: _Floats, bend: FloatArray, added: _Floats | None = None
 ) -> float:
-    """Return the peak of blocks, doubling the points of those that remain.
+    """Return the peak of blocks, doubling the points of the remaining blocks.
 
-    `bend` bounds the second derivative of each.
+    `bend` bounds the second derivative of each block.
     """
     spectra, found, best, step = np.fft.rfft(samples), np.zeros(len(samples)), 0.0, N_PHASES
     while step > 1 and len(found):
@@ -145,7 +147,7 @@ def _peak(
         step //= 2
         best = max(best, float(np.max(found)))
         from_point = step / N_PHASES / 2
-        # Duffin and Schaeffer: at a distance of d samples from its peak M, a course is at least M cos(pi d)
+        # Duffin and Schaeffer: d samples from its peak M, a course is at least M cos(pi d)
         highest = np.minimum(found / math.cos(math.pi * from_point), found + bend * from_point**2 / 2)
         left = highest + ROUNDING > max(bound, best)
         spectra, found, bend = spectra[left], found[left], bend[left]
@@ -158,7 +160,7 @@ def _peaks(blocks: _Floats) -> _Floats:
 
 
 def _between(added: _Floats, part: float) -> _Floats:
-    """Return the inner points of straight lines, between two samples."""
+    """Return the inner points of straight lines between two samples."""
     after = added[:, _INNER.start + 1 : _INNER.stop + 1]
     return added[:, _INNER] + np.float32(part) * (after - added[:, _INNER])
 
@@ -172,10 +174,10 @@ def _kernels() -> tuple[_Kernel, _Kernel]:
     """Return the kernels of a course and of its change per sample."""
     lags, phases = np.arange(-REACH, REACH), np.arange(N_PHASES)[:, None] / N_PHASES
     at = lags + phases
-    # a fall so smooth that the filter leaves smooth samples unchanged
+    # a taper so smooth that the filter leaves smooth samples unchanged
     fall = np.sin(np.pi / 2 * np.clip(2 * np.abs(at) / REACH - 1, 0, 1)) ** 2
     taper = np.cos(np.pi / 2 * np.sin(np.pi / 2 * fall) ** 2) ** 2
-    # a sinc and its derivatives: n times the derivative n - 1, and u times the derivative n, is known
+    # sinc and its derivatives: n times derivative n - 1, plus u times derivative n, is known
     sinc = np.sinc(at)
     once = _over(np.cos(np.pi * at) - sinc, at, at_zero=0.0)
     twice = _over(-(np.pi**2) * at * sinc - 2 * once, at, at_zero=-(np.pi**2) / 3)
@@ -192,7 +194,7 @@ def _over(numerators: FloatArray, at: FloatArray, at_zero: float) -> FloatArray:
 def _kernel(weights: FloatArray, of_lines: FloatArray, second: FloatArray) -> _Kernel:
     """Return weights (n_phases, 2 * REACH) with their bounds.
 
-    `of_lines` are the weights that draw straight lines, `second` those of the second derivative.
+    `of_lines` are the weights of straight lines, `second` the weights of the second derivative.
     """
     around_zero = np.zeros((len(weights), BLOCK), np.float32)
     around_zero[:, :REACH], around_zero[:, -REACH:] = weights[:, REACH:], weights[:, :REACH]
@@ -203,7 +205,7 @@ def _kernel(weights: FloatArray, of_lines: FloatArray, second: FloatArray) -> _K
 
 def _difference_bounds(weights: FloatArray) -> FloatArray:
     """Return the three bounds of a `_Kernel` from its weights."""
-    # weights that vanish for straight lines are a sum of second differences, of which two suffice for any cubic; the
+    # weights that vanish for straight lines are sums of second differences, of which two suffice for any cubic; the
     # rest is a sum of fourth differences
     of_second = _summed_twice(weights - _two_like(weights))
     near = _two_like(of_second)
@@ -212,7 +214,7 @@ def _difference_bounds(weights: FloatArray) -> FloatArray:
 
 
 def _two_like(weights: FloatArray) -> FloatArray:
-    """Return two weights near the point that act alike on straight lines."""
+    """Return two weights near the point with the same effect on straight lines."""
     total, moment = np.sum(weights, axis=1), np.sum(weights * np.arange(-REACH, REACH), axis=1)
     two = np.zeros_like(weights)
     two[:, REACH - 2], two[:, REACH - 1] = -total - moment, 2 * total + moment

@@ -1,4 +1,7 @@
-"""Answers of a rig to requests, and interventions of the experimenter, which take effect between two trials."""
+"""Answers of a rig to requests, and interventions of the experimenter.
+
+Interventions take effect between two trials.
+"""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -14,9 +17,9 @@ WANTED: Final[tuple[str, ...]] = get_args(Wanted)
 
 @dataclass(frozen=True)
 class Intervention:
-    """Experimenter command: discard a trial, skip the block, take a break, or end.
+    """Order of the experimenter: discard a trial, skip the block, rest, or end.
 
-    `trial` is the discarded trial: block, number, attempt.
+    `trial` identifies the discarded trial: block, number, attempt.
     """
 
     wanted: Wanted
@@ -45,7 +48,7 @@ def left(wanted: Iterable[Intervention], carried: Iterable[Intervention]) -> tup
 
 @dataclass(frozen=True)
 class Done:
-    """Answer with its time only (s since the session's start), and what the experimenter wanted meanwhile."""
+    """Answer with a time (s since the session's start) and interventions only."""
 
     at_s: float
     interventions: tuple[Intervention, ...] = ()
@@ -53,9 +56,10 @@ class Done:
 
 @dataclass(frozen=True)
 class TracePart:
-    """Place of samples of a touch: `n_bytes` from `first_byte` of a `file` of the data set, with their digest.
+    """Place of the samples of a touch within a `file` of the data set.
 
-    `rate_hz` is that of samples that begin at the onset; None if each row has a stamp.
+    They are `n_bytes` from `first_byte`, with their digest. `rate_hz` is the rate of samples that begin at the
+    onset; None if each row has a time stamp.
     """
 
     file: str
@@ -69,7 +73,7 @@ class TracePart:
 class Played:
     """Emission: delivered level in its unit, digest of the samples, and gaps.
 
-    `trace` says where sensor samples are kept, and what was emitted if it followed a finger.
+    `trace` is the place of the sensor samples, and of the emitted signal if it followed a finger.
     """
 
     onset_s: float
@@ -83,12 +87,12 @@ class Played:
 class Touched:
     """Force and motion of a finger during a stimulus, and the emission.
 
-    - `force_in_band`, `speed_in_band`: Share (0..1) of the samples in the band.
-    - `valid`, `invalid_reason`: An invalid touch is repeated.
-    - `n_gaps`: Gaps of the output; None if it cannot tell.
-    - `positions_digest`, `positions_late`: Of a stimulus that followed the finger: digest of the positions, and share
-      (0..1) that came late.
-    - `gate_s`: Stamp of the sample that opened the gate.
+    - `force_in_band`, `speed_in_band`: Fraction (0..1) of the samples in the band.
+    - `valid`, `invalid_reason`: False and the reason for an invalid touch, which is repeated.
+    - `n_gaps`: Gaps of the output, or None if they are unknown.
+    - `positions_digest`, `positions_late`: For a stimulus that followed the finger, the digest of the positions, and
+      the fraction (0..1) that arrived late.
+    - `gate_s`: Time stamp of the sample that opened the gate.
     - `trace`: As in `Played`.
     """
 
@@ -110,7 +114,7 @@ class Touched:
 
     @property
     def played(self) -> bool:
-        """True if it reached its stimulus or blank, False if its gate stayed shut.
+        """True if the stimulus or blank was reached, False if the gate never opened.
 
         >>> from dataclasses import replace
         >>> lost = Touched(0.0, None, None, valid=False, invalid_reason="sensor_lost")
@@ -122,7 +126,7 @@ class Touched:
 
 
 class Answer:
-    """Answer to a question, which is asked again unless it is `valid`."""
+    """Answer to a question. If it is not `valid`, the question is repeated."""
 
     onset_s: float
     latency_s: float
@@ -132,7 +136,7 @@ class Answer:
 
     @property
     def invalid_reason(self) -> Reason | None:
-        """Reason if it is not valid: gaps in the output, or a repetition by the experimenter."""
+        """Return why the answer is invalid (gaps, or a repetition), or None."""
         if self.valid:
             return None
         return "output_gap" if self.n_gaps else "experimenter"
@@ -140,7 +144,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Chosen(Answer):
-    """One of the options; `latency_s` counts from the onset of the question."""
+    """Selected option. `latency_s` counts from the onset of the question."""
 
     option: int
     onset_s: float
@@ -151,7 +155,7 @@ class Chosen(Answer):
 
 @dataclass(frozen=True)
 class Rated(Answer):
-    """A point of a scale, or a number."""
+    """Point on a scale, or a number."""
 
     value: float | None
     onset_s: float
@@ -162,9 +166,10 @@ class Rated(Answer):
 
 @dataclass(frozen=True)
 class Filled(Answer):
-    """Answers of a questionnaire page in the order of its questions; None where one was left open.
+    """Answers on a questionnaire page, in the order of its questions.
 
-    `back`: the page was left for the one before, and comes again.
+    An unanswered question is None. `back` means that the participant returned to the previous page, so that this
+    page will be shown again.
     """
 
     values: tuple[float | None, ...]
@@ -186,7 +191,7 @@ class Marked:
 
 @dataclass(frozen=True)
 class Adjusted(Answer):
-    """The level that the participant set."""
+    """Level that the participant set."""
 
     level: float
     onset_s: float

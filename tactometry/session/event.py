@@ -1,4 +1,4 @@
-"""Events of a session: pauses, remarks, clocks, stimuli, and frame statistics of each trial."""
+"""Events of a session: pauses, remarks, clocks, stimuli, frame statistics."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -32,8 +32,8 @@ Kind = Literal[
 ]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 TraceKind = Literal["force", "position", "emitted"]
-"""Samples of a touch: sensor samples with a stamp (s of the session) and values (N; m along each axis), or samples of
-the output (V on each channel) from the onset on, without stamps."""
+"""Kinds of samples of a touch. `force` and `position` have a time stamp (s of the session) and values (N, or m along
+each axis). `emitted` is the output (V on each channel) from the onset, without time stamps."""
 TRACE_KINDS: Final[tuple[TraceKind, ...]] = get_args(TraceKind)
 
 FACTS: Final = (
@@ -76,9 +76,10 @@ COLUMNS: Final = (
 
 @dataclass(frozen=True)
 class Event:
-    """A moment of a session, or a stimulus of `duration_s`, with `facts` by the names of `FACTS`.
+    """Moment of a session, or a stimulus of `duration_s`.
 
-    Raises `InvalidParameter` if a fact has another name, or a number is not finite.
+    The names of `facts` are those of `FACTS`. Raises `InvalidParameter` if a fact has another name, or a number is not
+    finite.
 
     >>> Event("remark", 12.5, facts={"text": "coughed"}).cells()[:3]
     ['12.5', 'n/a', 'remark']
@@ -98,12 +99,12 @@ class Event:
             if name not in names or (isinstance(value, float) and not math.isfinite(value))
         }
         if wrong:
-            raise InvalidParameter(f"event {self.kind!r}: found {wrong}, expected names of FACTS, with finite numbers")
+            raise InvalidParameter(f"event {self.kind!r}: found {wrong}, expected names in FACTS and finite numbers")
         if self.duration_s is not None and not 0 <= self.duration_s < math.inf:
             raise InvalidParameter(f"event {self.kind!r}: found a duration of {self.duration_s} s, expected at least 0")
 
     def cells(self, columns: Sequence[Column] = COLUMNS) -> list[str]:
-        """Return its row of an events file; unknown values are n/a."""
+        """Return the event's row of an events file, with n/a for unknown values."""
         known: dict[str, Fact] = {
             "onset": self.at_s,
             "duration": self.duration_s,
@@ -125,7 +126,7 @@ def order_facts(intervention: Intervention) -> dict[str, Fact]:
 
 
 def missed_text(option: int) -> str:
-    """Return the text of an event about the choice after a missed practice.
+    """Return the text of the event for the choice after a failed practice.
 
     >>> missed_text(2)
     'the practice missed its criterion: go on'
@@ -156,7 +157,7 @@ OnEvent = Callable[[Event], None]
 class EventLog(Protocol):
     """Store of events, used by rigs from any thread.
 
-    `recorded_s` is when the last trial was on the disk (s on `time.perf_counter`).
+    `recorded_s` is the time at which the last trial was on the disk (s on `time.perf_counter`).
     """
 
     @property
@@ -167,21 +168,21 @@ class EventLog(Protocol):
         """Interventions of an earlier sitting that were not carried out."""
 
     def exposure(self) -> Exposure:
-        """Return how long this session has lasted, and what charge it passed."""
+        """Return the duration of this session and the charge that it passed."""
 
     def note(self, event: Event) -> None: ...
 
     def follow(self, on_request: OnRequest, on_event: OnEvent) -> None:
-        """Report what is recorded already, and what will be."""
+        """Report everything recorded so far, and then each new record."""
 
     def keep_path(self, digest: str, lines: bytes) -> None:
-        """Keep times (s) and positions (m) of a finger, a line each, under their digest."""
+        """Store times (s) and positions (m) of a finger under their digest."""
 
     def keep_trace(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
-        """Keep samples (n_rows, n_columns) of a touch; return their place."""
+        """Store samples (n_rows, n_columns) of a touch and return their place."""
 
     def keep_marks(self, marked: Marked) -> None:
-        """Keep marks on a questionnaire page, for a session that is interrupted there."""
+        """Store marks of a questionnaire page, for a session interrupted there."""
 
 
 def _cell(value: Fact) -> str:
@@ -197,7 +198,10 @@ def events_tsv(events: Sequence[Event], columns: Sequence[Column] = COLUMNS) -> 
 
 
 def decode_event(value: Mapping[str, object]) -> Event:
-    """Decode an event from its line of a journal. Raises `msgspec.ValidationError`."""
+    """Decode an event from a line of a journal.
+
+    Raises `msgspec.ValidationError`.
+    """
     try:
         return msgspec.convert({**value, "kind": value["event"]}, Event)
     except InvalidParameter as error:

@@ -1,7 +1,7 @@
 """Progress of a session, computed from its journal, for terminal and page.
 
-`Progress` is a fold: `after` takes the next request with its answer, `after_event` the next event. A plan of the parts
-(`PartAhead`) states what is to come.
+`Progress` is a fold: `after` accepts the next request with its answer, `after_event` the next event. `PartAhead`
+describes a planned part.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -17,9 +17,9 @@ from .request import MISSED_PRACTICE, Choose, Fact, Intervene, Press, Record, Re
 TURNING: Final = frozenset(("staircase", "weighted_staircase"))
 """Procedures with reversals."""
 MOST_SHOWN: Final = 12
-"""Number of recent touches that are kept for display."""
+"""Number of recent touches kept for display."""
 COUNTS: Final = ("block", "n_blocks", "part", "n_parts", "n_questions")
-"""Values on the page before a part, in addition to its factors."""
+"""Values shown on the page before a part, in addition to its factors."""
 LAST_PAGES: Final = ("end", "declined")
 """Last pages of a completed session and of a declined consent."""
 MOST_INTERVALS: Final = 20
@@ -35,9 +35,10 @@ TrackKey = tuple[int, str | None]
 
 @dataclass(frozen=True)
 class PartAhead:
-    """A planned part of a session.
+    """Planned part of a session.
 
-    Factors, most trials, longest duration (s), and invalid presentations in a row that abort a track.
+    Contains its factors, the largest number of trials, the longest duration (s), and the number of consecutive
+    invalid presentations that aborts a track.
     """
 
     factors: Mapping[str, float | str] = field(default_factory=dict)
@@ -48,7 +49,7 @@ class PartAhead:
 
 @dataclass(frozen=True)
 class AnsweredTouch:
-    """A requested touch and its answer; no level is a blank."""
+    """Requested touch and its answer. A level of None is a blank."""
 
     request: Press | Slide
     answer: Touched
@@ -56,31 +57,34 @@ class AnsweredTouch:
 
 @dataclass(frozen=True)
 class TrackProgress:
-    """The presentations of a track, one row each, and how many of the last were not valid."""
+    """Presentations of a track, one row each.
+
+    `n_invalid_in_a_row` counts the invalid presentations since the last valid one.
+    """
 
     presented: tuple[Trial, ...] = ()
     n_invalid_in_a_row: int = 0
     aborted: bool = False
 
     def after(self, trial: Trial, *, aborted: bool) -> "TrackProgress":
-        """Add a row; later rows of one presentation do not count."""
+        """Add a row. Later rows of the same presentation do not count."""
         if self.presented and self.presented[-1].key == trial.key:
             return replace(self, aborted=self.aborted or aborted)
         n_in_a_row = 0 if trial.valid else self.n_invalid_in_a_row + 1
         return TrackProgress((*self.presented, trial), n_in_a_row, self.aborted or aborted)
 
     def without(self, retracted: Collection[Key]) -> "TrackProgress":
-        """Mark trials that were taken back."""
+        """Mark retracted trials."""
         return replace(self, presented=without(self.presented, retracted))
 
     @property
     def answered(self) -> tuple[Trial, ...]:
-        """Presentations that the rule learnt of: valid, no catch trials."""
+        """Presentations that the rule used: valid ones, without catch trials."""
         return tuple(trial for trial in self.presented if trial.valid and trial.level is not None)
 
     @property
     def reversals(self) -> tuple[Trial, ...]:
-        """Trials where the levels of a staircase turned; known once the next level is presented."""
+        """Trials at which the levels of a staircase changed direction."""
         found: list[Trial] = []
         last, direction = None, 0.0
         for trial in (trial for trial in self.answered if trial.procedure in TURNING):
@@ -98,11 +102,11 @@ class TrackProgress:
 
     @property
     def n_lost(self) -> int:
-        """Invalid presentations that count towards an abort: in a row, or of one trial."""
+        """Invalid presentations that count towards an abort, in a row or of one trial."""
         return max(self.n_invalid_in_a_row, self.n_attempts) if self.n_invalid_in_a_row else 0
 
     def warning(self, n_attempts: int | None) -> str | None:
-        """Return a warning before the track is aborted."""
+        """Return a warning if the track will soon be aborted."""
         n_left = 0 if n_attempts is None else n_attempts - self.n_lost
         if self.aborted or not self.n_lost or not 0 < n_left <= NEAR:
             return None
@@ -117,22 +121,22 @@ class TrackProgress:
 class Progress:
     """State of a session.
 
-    - `tally`: Presentations, invalid ones, answers to questionnaires.
-    - `n_parts`, `part`: Number of parts, and the present one, from 1; 0: not begun.
+    - `tally`: Numbers of presentations, of invalid presentations, and of answers to questionnaires.
+    - `n_parts`, `part`: Number of parts, and the current part, from 1; 0 before the first.
     - `page`: Message of the last page.
-    - `factors`: The present condition.
-    - `tracks`: By block and name of the track.
-    - `last`: The last recorded row.
-    - `at_s`: The latest known time, s of the session.
-    - `trial_times_s`: When the last trials were recorded, s.
-    - `n_catch`, `n_false_alarms`: Valid catch trials, and those answered with yes.
-    - `n_touches`, `touches`: Number of requested touches, and the last of them.
-    - `reasons`: Touches and answers that did not count, by reason.
-    - `n_frames`, `n_dropped_frames`, `n_gaps`: Of the screen, and gaps in the output.
+    - `factors`: Current condition.
+    - `tracks`: Tracks by block and name.
+    - `last`: Last recorded row.
+    - `at_s`: Latest known session time, s.
+    - `trial_times_s`: Times at which the last trials were recorded, s.
+    - `n_catch`, `n_false_alarms`: Number of valid catch trials, and of those answered with yes.
+    - `n_touches`, `touches`: Number of requested touches, and the last touches.
+    - `reasons`: Number of touches and answers that did not count, by reason.
+    - `n_frames`, `n_dropped_frames`, `n_gaps`: Frames of the screen, dropped frames, and gaps in the output.
     - `timing`: Last and longest `gate_delay_s` and `key_to_record_s`, s.
-    - `clocks`: Last facts of the clock of each device.
-    - `paused`: Who or what has paused it.
-    - `stopped`, `aborted`: Why it was stopped, and what ended unfinished.
+    - `clocks`: Last clock facts of each device.
+    - `paused`: Who or what paused the session.
+    - `stopped`, `aborted`: Why the session was stopped, and which parts were aborted.
     - `interventions`: Results of interventions.
     """
 
@@ -218,7 +222,7 @@ class Progress:
         return state if trial.is_form else state._presented(trial, aborted, at_s, is_new=is_new)
 
     def _changed(self, request: Intervene) -> "Progress":
-        """Apply an intervention: trials that were taken back count in nothing."""
+        """Apply an intervention. Retracted trials no longer count anywhere."""
         presented = [trial for track in self.tracks.values() for trial in track.presented]
         lost = [trial for trial in presented if trial.valid and trial.key in request.retracted]
         caught = [trial for trial in lost if trial.catch]
@@ -273,7 +277,7 @@ class Progress:
         return self.page in LAST_PAGES
 
     def n_valid(self, part: int | None = None) -> int:
-        """Return the valid presentations of one part or of all, including catch trials."""
+        """Return the valid presentations of one part or all, with catch trials."""
         return sum(
             trial.valid
             for (block, _), track in self.tracks.items()
@@ -282,7 +286,7 @@ class Progress:
         )
 
     def warning(self, parts: Sequence[PartAhead]) -> str | None:
-        """Return a warning before the present track is aborted."""
+        """Return a warning if the current track will soon be aborted."""
         ahead = parts[self.part - 1] if 0 < self.part <= len(parts) else PartAhead()
         is_left = self.last is None or self.last.block != self.part  # for example a skipped block
         return None if self.track is None or is_left else self.track.warning(ahead.n_attempts)

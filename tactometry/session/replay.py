@@ -1,4 +1,4 @@
-"""Recording that answers the same requests again."""
+"""Replay of a recorded session, which answers the same requests again."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, is_dataclass, replace
@@ -10,26 +10,26 @@ from ..trials.trial import Trial, without
 from .answer import Answer, Done, Marked
 from .request import A, Fill, Intervene, Record, Request, Show
 
-OF_RECORDING = "use the study, the seed and the version of the recording"
+OF_RECORDING = "use the study, seed and version with which it was recorded"
 
 
 def rows(requests: Iterable[Request[Any]]) -> tuple[Trial, ...]:
-    """Return the rows that requests recorded, as they count in the end."""
+    """Return the rows that requests recorded, after all retractions."""
     asked = tuple(requests)
     retracted = {key for request in asked if isinstance(request, Intervene) for key in request.retracted}
     return without((request.trial for request in asked if isinstance(request, Record)), retracted)
 
 
 class Replay:
-    """Answers from `entries`, pairs of (request, answer) in order.
+    """Replay of `entries`, (request, answer) pairs in order.
 
-    - `where`, `lines`: Name of the recording, and lines of its entries, for errors.
-    - `as_kept`: What the recording keeps of a request.
-    - `lasted_s`: Least duration of the session, s.
-    - `marked`: Marks on the questionnaire page at which it was interrupted.
+    - `where`, `lines`: Name of the recording and line numbers of its entries, for error messages.
+    - `as_kept`: Function that returns the part of a request that the recording contains.
+    - `lasted_s`: Minimum duration of the session, s.
+    - `marked`: Marks on the questionnaire page at which the session was interrupted.
 
-    Pages without an answer may differ between recording and protocol, so that a later version may show others. Words of
-    a questionnaire in languages that the recording does not know may differ too.
+    Two differences between recording and protocol are allowed, so that later versions can replay it: pages without an
+    answer, and questionnaire texts in languages that the recording lacks.
     """
 
     def __init__(
@@ -57,19 +57,22 @@ class Replay:
 
     @property
     def elapsed_s(self) -> float:
-        """When the session stopped: the time of the last answer, or of a later event."""
+        """Time at which the session stopped: of the last answer, or a later event."""
         marked_s = [] if self._marked is None else [self._marked.at_s]
         return float(max([self._lasted_s, *marked_s, *(_ended_s(answer) for _, answer in self._entries[-1:])]))
 
     def goes_on(self, request: Request[Any]) -> bool:
-        """Return True if it contains more than pages that the protocol does not show."""
+        """Return True if recorded requests remain that the protocol must repeat.
+
+        Recorded pages at the end that the protocol no longer shows are skipped.
+        """
         left = (self._entries[n][0] for n in range(self._next, len(self._entries)))
         if not _is_page(request) and all(map(_is_page, left)):
             self._next = len(self._entries)
         return self.n_left > 0
 
     def taken_up(self, request: Request[Any]) -> Request[Any]:
-        """Return the first request of a resumed sitting: a questionnaire page gets its marks back."""
+        """Return the first request of a resumed sitting, with marks of its page."""
         marked = self._marked
         if marked is None or not isinstance(request, Fill) or request.form != marked.form:
             return request
@@ -77,10 +80,10 @@ class Replay:
         return replace(request, given=marked.values) if is_page else request
 
     def refuse_rest(self) -> None:
-        """Raise if the recording contains more than was asked."""
+        """Raise `Diverged` if the recording contains further requests."""
         if self.n_left:
             name = _name(self._entries[self._next][0])
-            raise self._divergence(f"the recording goes on with {name}, the protocol has ended; {OF_RECORDING}")
+            raise self._divergence(f"the recording continues with {name}, but the protocol has ended; {OF_RECORDING}")
 
     def _divergence(self, what: str) -> Diverged:
         line = self._lines[self._next] if self.n_left else max(self._lines, default=0) + 1
@@ -89,10 +92,10 @@ class Replay:
     def answer(self, request: Request[A]) -> A:
         """Return the recorded answer.
 
-        Raises `Diverged`, with line and difference, if the request is not the recorded one.
+        Raises `Diverged`, with line and difference, if the recorded request is another one.
         """
         if not self.n_left:
-            ended = f"the recording has ended, the protocol requests {_name(request)}"
+            ended = f"the recording has ended, but the protocol requests {_name(request)}"
             raise self._divergence(f"{ended}; the session is not complete: continue with --resume")
         asked = self._as_kept(request)  # older journals recorded fewer fields of a request
         n_passed = self._pages_before(asked)
@@ -109,7 +112,7 @@ class Replay:
         return recorded_answer
 
     def _pages_before(self, asked: Request[Any]) -> int | None:
-        """Return how many recorded pages to skip; None for a page that the recording lacks."""
+        """Return how many recorded pages to skip, or None for an unrecorded page."""
         left = (self._entries[n][0] for n in range(self._next, len(self._entries)))
         pages = list(takewhile(_is_page, left))
         if isinstance(asked, Show):
@@ -118,7 +121,7 @@ class Replay:
 
 
 def _in_its_languages(asked: Request[Any], recorded: Request[Any]) -> Request[Any]:
-    """Limit the words of a questionnaire to the languages of the recorded page."""
+    """Limit the texts of a questionnaire to the languages of the recording."""
     if not (isinstance(asked, Fill) and isinstance(recorded, Fill) and len(asked.questions) == len(recorded.questions)):
         return asked
     questions = []
@@ -145,7 +148,7 @@ def difference(recorded: object, asked: object, path: str = "") -> str:
     if type(recorded) is not type(asked) or not is_dataclass(recorded):
         name = path or "request"
         shown = (_name(recorded), _name(asked)) if is_dataclass(recorded) else (repr(recorded), repr(asked))
-        return f"{name}: the recording has {shown[0]}, the protocol requests {shown[1]}"
+        return f"{name}: the recording has {shown[0]}, but the protocol requests {shown[1]}"
     for item in (item for item in fields(recorded) if item.compare):
         then, now = getattr(recorded, item.name), getattr(asked, item.name)
         if then != now:

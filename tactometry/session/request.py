@@ -1,6 +1,6 @@
-"""Requests of a protocol to a rig, each with the type of its answer, and checks of answers.
+"""Requests of a protocol to a rig, their answer types, and answer checks.
 
-A request names a stimulus and a level, never samples.
+A request names a stimulus and a level. It never contains samples.
 """
 
 import re
@@ -19,20 +19,20 @@ Facts = dict[str, Fact]
 """Facts about a display, devices or a clock for the journal, by name."""
 
 TRAJECTORY_M = 0.1
-"""Length of the path of a slide, one way (unverified default)."""
+"""One-way length of the path of a slide (unverified default)."""
 CONSENT: Final = "agree"
 """Consent question; simulated participants agree."""
 MISSED_PRACTICE: Final = "practice_missed"
-"""Question to the experimenter after a practice that missed its criterion."""
+"""Question to the experimenter after a failed practice."""
 AGAIN, GO_ON, END_SESSION = 1, 2, 3
-"""Options of this question. A simulated participant, who has no experimenter, goes on."""
+"""Options of this question. A simulated session continues."""
 MISSED_LABELS: Final = {AGAIN: "again", GO_ON: "go_on", END_SESSION: "end_session"}
 ABOUT: Final = "about."
-"""Prefix of the names of questions about a person, which follow no stimulus."""
+"""Prefix of questions about the participant, which do not refer to a stimulus."""
 
 
 class Request(Generic[A]):
-    """One request to a rig, which answers with an `A`."""
+    """Request to a rig, which answers with an `A`."""
 
     answer_type: ClassVar[type]
 
@@ -42,14 +42,14 @@ class Request(Generic[A]):
 
 
 class Rig(Protocol):
-    """Rig that answers requests, such as a bench, simulation or recording.
+    """Interface of a rig, such as a bench, a simulation or a recording.
 
-    Only a rig owns a clock. `resume` is called once, before the first live request of a resumed session, with the
-    recorded rows and the time at which the session stopped.
+    Only a rig reads a clock. `resume` is called once, before the first live request of a resumed session. Its
+    arguments are the recorded rows and the time at which the session stopped.
     """
 
     def facts(self) -> Facts:
-        """Return facts of display, outputs and clock for the journal's head."""
+        """Return facts on display, outputs and clock for the head of the journal."""
 
     def answer(self, request: Request[A]) -> A: ...
 
@@ -71,9 +71,10 @@ class Play(Request[Played]):
 
 @dataclass(frozen=True)
 class Feel(Request[Touched]):
-    """Hold `target_n` within `tolerance` (relative) for `hold_s`, then feel `level` while the force is held.
+    """Hold a force for `hold_s`, then feel `level` while holding it.
 
-    `level` None is a blank: the same course with nothing emitted. `timeout_s` limits the wait for the force.
+    The force is `target_n` within `tolerance` (relative). A `level` of None is a blank: the same procedure without a
+    signal. `timeout_s` limits the wait for the force.
     """
 
     stimulus: str
@@ -94,9 +95,10 @@ class Press(Feel):
 
 @dataclass(frozen=True)
 class Slide(Feel):
-    """`Feel` with a finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
+    """`Feel` with a finger that follows a cursor.
 
-    The stimulus plays while the speed is within `speed_tolerance` (relative) of its target; None does not gate it.
+    The cursor moves to and fro over `length_m` at `speed_m_per_s`. The stimulus plays while the speed is within
+    `speed_tolerance` (relative) of its target; None disables this condition.
     """
 
     speed_m_per_s: float
@@ -107,9 +109,10 @@ class Slide(Feel):
 
 @dataclass(frozen=True)
 class Choose(Request[Chosen]):
-    """Ask for one of `options`; `question` names a message, e.g. ``"felt"``.
+    """Ask for one of `options`.
 
-    `stimuli` names the stimulus of each option, if the question is which one was felt.
+    `question` names a message, such as ``"felt"``. `stimuli` names the stimulus of each option, if the question is
+    which stimulus was felt.
     """
 
     question: str
@@ -120,7 +123,7 @@ class Choose(Request[Chosen]):
 
 @dataclass(frozen=True)
 class Enter(Request[Rated]):
-    """Ask for a number of at least `low` and, unless it is None, at most `high`; `question` names a message."""
+    """Ask for a number from `low` to `high` (None: no maximum)."""
 
     question: str
     low: float
@@ -129,9 +132,10 @@ class Enter(Request[Rated]):
 
 @dataclass(frozen=True)
 class Question:
-    """An item of a questionnaire: by language its statement (may be empty), its left and its right word.
+    """Item of a questionnaire.
 
-    `reversed` says that the good end is the left one.
+    `words` contains, by language, the statement (may be empty) and the left and right labels. `reversed` means that
+    the left end is the favourable one.
     """
 
     item: str
@@ -141,10 +145,11 @@ class Question:
 
 @dataclass(frozen=True)
 class Fill(Request[Filled]):
-    """Ask for all questions of a page, each from `low` (left) to `high` in `steps` (None: continuous).
+    """Ask all questions of a questionnaire page.
 
-    `given` are earlier answers to this page. The page is number `page` of `n_pages` under one `stem` (by language). How
-    it is shown is not compared.
+    Answers range from `low` (left) to `high` in `steps` (None: continuous). `given` contains earlier answers to this
+    page. The page is number `page` of `n_pages` with the same `stem` (by language). Fields that only affect the
+    display are not compared.
     """
 
     form: str
@@ -160,9 +165,10 @@ class Fill(Request[Filled]):
 
 @dataclass(frozen=True)
 class Adjust(Request[Adjusted]):
-    """Let the participant set a level, from `start` in steps of `step` within the bounds.
+    """Let the participant set a level.
 
-    `target_n` and `speed_m_per_s` say how to touch meanwhile; nothing is gated.
+    The level begins at `start` and changes in steps of `step` within the bounds. `target_n` and `speed_m_per_s`
+    state the touch that is asked of the participant, without a gate.
     """
 
     stimulus: str
@@ -186,7 +192,7 @@ class Wait(Request[Done]):
 
 @dataclass(frozen=True)
 class Show(Request[Done]):
-    """Show a page until it is left, or for `duration_s`; `message` names a text, `values` fill it."""
+    """Show a page until it is left, or for `duration_s`."""
 
     message: str
     values: Mapping[str, str | int | float] = field(default_factory=dict)
@@ -195,9 +201,9 @@ class Show(Request[Done]):
 
 @dataclass(frozen=True)
 class Record(Request[Done]):
-    """A finished trial; after the answer, the row is on the disk.
+    """Record a finished trial. When it is answered, the row is on the disk.
 
-    `aborted` says why its track or block ends unfinished.
+    `aborted` is the reason if the track or block ends unfinished.
     """
 
     trial: Trial
@@ -206,7 +212,10 @@ class Record(Request[Done]):
 
 @dataclass(frozen=True)
 class Intervene(Request[Done]):
-    """Report an intervention: `said` is its result; rows of `retracted` trials no longer count."""
+    """Report the result `said` of an intervention.
+
+    Rows of `retracted` trials no longer count.
+    """
 
     intervention: Intervention
     said: str
@@ -224,14 +233,14 @@ SLACK = 1e-9
 
 
 def flaw(request: object, answer: object) -> str | None:
-    """Describe what is wrong with an answer; None if nothing is.
+    """Return what is wrong with an answer, or None.
 
     >>> flaw(Choose("felt", (0, 1), ("no", "yes")), Chosen(2, 0.0, 1.0))
     'the option 2, expected one of 0, 1'
     """
     for part in getattr(answer, "trace", ()):
         if not _TRACE.fullmatch(part.file) or part.first_byte < 0 or part.n_bytes <= 0:
-            return f"a trace in {part.file!r}, expected a place in a file of the folder traces"
+            return f"a trace in {part.file!r}, expected a part of a file in the folder traces"
     match request, answer:
         case Choose(options=options), Chosen(option) if option not in options:
             return f"the option {option}, expected one of {', '.join(map(str, options))}"
@@ -247,7 +256,7 @@ def flaw(request: object, answer: object) -> str | None:
 
 
 def _out_of_range(values: Sequence[float | None], low: float, high: float, slack: float = 0.0) -> str | None:
-    """Describe the first value out of range."""
+    """Describe the first value that is out of range."""
     least, most = low - slack * max(abs(low), abs(high)), high + slack * max(abs(low), abs(high))
     for value in values:
         if value is not None and not least <= value <= most:
@@ -256,7 +265,7 @@ def _out_of_range(values: Sequence[float | None], low: float, high: float, slack
 
 
 def value_at(place: int, n_places: int, low: float, high: float) -> float:
-    """Return the value of a place (0..n_places-1) on a scale, correctly rounded.
+    """Return the value of a position on a scale, correctly rounded.
 
     >>> value_at(2, 7, low=1, high=7), value_at(1, 11, low=0.0, high=1.0)
     (3.0, 0.1)

@@ -1,4 +1,4 @@
-"""The loop that drives a protocol on any rig."""
+"""Loop that runs a protocol on any rig."""
 
 from collections.abc import Callable, Generator
 from typing import Any, Protocol, TypeVar
@@ -9,11 +9,11 @@ from .request import A, Feel, Intervene, Request, Rig
 
 T = TypeVar("T")
 Course = Generator[Request[Any], Any, T]
-"""Course of an experiment: yields requests, receives their answers, and returns a result."""
+"""Generator of an experiment: yields requests, receives their answers, and returns a result."""
 
 
 class Keeper(Protocol):
-    """Store of requests and answers; `replay` has those of an earlier sitting."""
+    """Store of requests and answers. `replay` contains those of earlier sittings."""
 
     @property
     def replay(self) -> Replay: ...
@@ -24,7 +24,10 @@ class Keeper(Protocol):
 
 
 class LiveRig:
-    """A rig with a private method for each kind of request: `answer` passes a `Play` to `_play`, `Press` to `_feel`."""
+    """Base class of rigs, with a private method for each kind of request.
+
+    For example, `answer` passes a `Play` to `_play` and a `Press` to `_feel`.
+    """
 
     def answer(self, request: Request[A]) -> A:
         kind = Feel if isinstance(request, Feel) else type(request)
@@ -32,7 +35,7 @@ class LiveRig:
         return method(request)
 
     def _intervene(self, request: Intervene) -> Done:
-        """Refuse an intervention; only rigs that return interventions get this request."""
+        """Refuse an intervention, as this rig's answers cannot contain any."""
         raise NotImplementedError(f"{type(self).__name__}: found {request}, and its answers hold no intervention")
 
 
@@ -49,11 +52,11 @@ def _advance(course: Course[T], answer: object) -> Request[Any]:
 
 
 def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
-    """Drive `course` to its end: first replay what the journal has, then ask `rig`.
+    """Run `course` to its end: replay the journal, then ask `rig`.
 
-    Each answer is in the journal before the next request. The rig is closed in any case.
+    Each answer is in the journal before the next request. The rig is always closed.
 
-    Raises `Diverged` if the course does not ask what the journal recorded.
+    Raises `Diverged` if a request differs from the one in the journal.
     """
     recorded = journal.replay
     try:
@@ -70,7 +73,7 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
     except _Ended as end:
         recorded.refuse_rest()
         try:
-            rig.close()  # close before the journal ends, as the rig notes the charge of the last stimulus
+            rig.close()  # close before the journal ends, as the rig records the charge of the last stimulus
         finally:
             journal.finish()
         value: T = end.value  # type: ignore[assignment]
@@ -80,9 +83,10 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
 
 
 def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T | None:
-    """Drive `course` on a recording only, to its end, or (not `complete`) as far as it goes.
+    """Run `course` on a recording only.
 
-    Raises `Diverged` at the first difference, or if one ends before the other.
+    Unless `complete`, it may end where the recording ends. Raises `Diverged` at the first difference, or if one ends
+    before the other.
     """
     try:
         request = _advance(course, None)

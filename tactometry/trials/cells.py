@@ -9,14 +9,13 @@ from typing import Final
 
 Value = str | int | float | bool | None
 LARGEST_ANSWER: Final = 1e15
-"""Largest plausible answer; powers of larger numbers overflow."""
+"""Largest plausible answer. Powers of larger numbers overflow."""
 
 
 def cell(value: Value) -> str:
-    """Format a value: empty for None, 1/0 for a truth value, the shortest exact form for a number.
+    """Format a value as the text of a cell.
 
-    >>> cell(True), cell(12.0), cell(0.1), cell(None)
-    ('1', '12', '0.1', '')
+    None is empty, a truth value 1 or 0, and a number its shortest exact form.
     """
     if value is None:
         return ""

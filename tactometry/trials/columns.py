@@ -10,7 +10,7 @@ from .trial import REASONS
 
 @dataclass(frozen=True)
 class Column:
-    """A column's name, meaning and unit (empty: none)."""
+    """Name, meaning and unit (empty: none) of a column."""
 
     name: str
     description: str
@@ -22,7 +22,7 @@ RIGS: Final = {
     "console": "terminal",
     "simulated": "no person took part",
 }
-"""Rigs by name, with descriptions. The module `tactometry/rigs/NAME.py` contains a rig, and the function NAME in
+"""Rigs by name, with descriptions. The module `tactometry/rigs/NAME.py` contains a rig. The function NAME in
 `experiments/sessions/rig_kinds.py` builds it."""
 FIRST = (
     Column("participant", "Code of the participant"),
@@ -99,12 +99,12 @@ MAY_BE_FACTORS = frozenset(
 
 
 def table_columns(factors: Sequence[Column], optional: Sequence[str]) -> tuple[Column, ...]:
-    """Return all columns of a study, in order: `optional` names those of `OPTIONAL` that apply."""
+    """Return the columns of a study in order, with those named in `optional`."""
     return (*FIRST, *factors, *ALWAYS, *(column for column in OPTIONAL if column.name in optional))
 
 
 def stated_factors(header: Sequence[str]) -> list[str]:
-    """Return the columns between ``trial`` and ``procedure``, where our data sets have their factors."""
+    """Return the columns between ``trial`` and ``procedure``: the factors."""
     if not {"trial", "procedure"} <= set(header):
         return []
     return list(header[header.index("trial") + 1 : header.index("procedure")])

@@ -15,7 +15,7 @@ from .tasks import TASKS
 from .trial import REASONS
 
 MOST_COLUMNS = 5000
-"""Largest number of columns; a table with more may be transposed."""
+"""Largest number of columns. A table with more may be transposed."""
 MOST_NAMED = 5
 """Largest number of rows named for one defect."""
 REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
@@ -23,9 +23,9 @@ REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
 
 @dataclass(frozen=True)
 class Defect:
-    """A defect: `row` is the line of the file, from 1 (the header).
+    """Defect of a file. `row` is the line of the file, from 1 (the header).
 
-    Defects of one `kind` in a file may be merged: `n_rows` counts them, `others` are more rows.
+    Defects of one `kind` in a file may be merged. `n_rows` counts them, and `others` lists further rows.
     """
 
     file: str
@@ -40,7 +40,7 @@ class Defect:
 
 
 def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> str:
-    """Format the first row and how many more there are.
+    """Format the first row and the number of further rows.
 
     >>> rows_text(None), rows_text(3), rows_text(3, (4, 9), 3), rows_text(2, (3, 4, 5, 6), 737)
     ('', ', row 3', ', row 3 and 2 more (4, 9)', ', row 2 and 736 more (3, 4, 5, 6, ...)')
@@ -53,7 +53,7 @@ def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> s
 
 
 def merge_alike(defects: Iterable[Defect]) -> list[Defect]:
-    """Merge defects of one kind in one file, in the place of the first."""
+    """Merge defects of one kind in one file, at the position of the first."""
     kinds: dict[object, list[Defect]] = {}
     for n, defect in enumerate(defects):
         kinds.setdefault((defect.file, defect.kind) if defect.kind else n, []).append(defect)
@@ -106,7 +106,7 @@ def defects(content: bytes, file: str) -> Iterator[Defect]:
         return
     header, *rows = table
     if len(header) > MOST_COLUMNS:
-        yield Defect(file, 1, f"found {len(header)} columns, expected at most {MOST_COLUMNS}: a row for each trial")
+        yield Defect(file, 1, f"found {len(header)} columns, expected at most {MOST_COLUMNS}, and a row for each trial")
         return
     yield from _header_defects(header, file)
     seen: dict[tuple[str, ...], int] = {}
@@ -119,15 +119,15 @@ def defects(content: bytes, file: str) -> Iterator[Defect]:
         key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
         first = seen.setdefault(key, number) if row.get("trial") else number
         if first != number:
-            yield Defect(file, number, f"found the trial of row {first} again, expected each trial once", "doubled")
+            yield Defect(file, number, f"found the same trial as in row {first}, expected each trial once", "doubled")
 
 
 def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
     missing = [name for name in REQUIRED if name not in header]
     if len(missing) == 1:
-        yield Defect(file, 1, f"found no column {missing[0]!r}, expected it{nearest(missing[0], header)}")
+        yield Defect(file, 1, f"found no column {missing[0]!r}, expected this column{nearest(missing[0], header)}")
     elif missing:
-        yield Defect(file, 1, f"found no columns {', '.join(map(repr, missing))}, expected them")
+        yield Defect(file, 1, f"found no columns {', '.join(map(repr, missing))}, expected these columns")
     for name, n in Counter(header).items():
         if n > 1:
             yield Defect(file, 1, f"found the column {name!r} {'twice' if n == 2 else f'{n} times'}, expected it once")

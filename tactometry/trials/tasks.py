@@ -1,6 +1,6 @@
-"""Tasks by name, with what their rows contain.
+"""Tasks by name, with the contents of their rows.
 
-`protocols/tasks/NAME.py` defines how a task is asked, `analysis/tasks/NAME.py` how it is analysed.
+`protocols/tasks/NAME.py` defines how a task is presented, `analysis/tasks/NAME.py` how it is analysed.
 """
 
 from collections.abc import Mapping
@@ -10,11 +10,12 @@ from typing import Final, Literal
 from .cells import LARGEST_ANSWER, CellRule, number_from, one_of_texts, whole_number
 
 LevelUse = Literal["curve", "scale", "ratio"]
-"""Use of the levels of a task in an analysis.
+"""Use of the levels of a task in an analysis. ``curve``: responses follow a psychometric function of the level, which
+is required except in catch trials. ``scale``: levels are converted to the scale of the analysis. ``ratio``: levels are
+treated as ratios on any scale.
 
 ``curve``: responses follow a psychometric function of the level, which is required except in catch trials; ``scale``:
-levels are converted to the scale of the analysis; ``ratio``: levels are treated as ratios on any scale.
-"""
+levels are converted to the scale of the analysis; ``ratio``: levels are treated as ratios on any scale."""
 Columns = tuple[str, ...]
 
 ANSWER_WITHIN: Final = f"within {LARGEST_ANSWER:g}, or nothing"
@@ -28,7 +29,7 @@ RAW_VALUE: Final = CellRule(
     f"the raw value of the answer, {ANSWER_WITHIN}", number_from(-LARGEST_ANSWER, LARGEST_ANSWER)
 )
 EASY: Final = "easy"
-"""Value of the column `procedure` for an easy trial, whose level the rule did not choose."""
+"""Value of the column `procedure` for an easy trial, whose level was not chosen by the rule."""
 ANYTHING: Final = CellRule("anything", lambda text: True)
 
 
@@ -37,10 +38,10 @@ class TaskRows:
     """Contents of the rows of a task.
 
     - `response`: Rule of the column `response`, unless it is empty.
-    - `columns`, `of_places`: Columns of `columns.OPTIONAL` that it fills, always or if its stimuli have places.
-    - `level`: Use of its levels in an analysis; None if unused.
-    - `sets_level`: The response is a level, which the participant sets while it plays.
-    - `is_read`: An analysis reads the responses, so a table with invalid ones is refused.
+    - `columns`, `of_places`: Columns of `columns.OPTIONAL` that it fills always, or if its stimuli have places.
+    - `level`: Use of its levels in an analysis, or None.
+    - `sets_level`: True if the response is a level that the participant sets while it plays.
+    - `is_read`: True if an analysis reads the responses, so that a table with invalid ones is refused.
     - `answers`: Meaning of the responses 0 and 1, if these are the only ones.
     """
 

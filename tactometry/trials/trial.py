@@ -1,4 +1,4 @@
-"""A row of the trials table."""
+"""Row of the trials table."""
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -23,16 +23,16 @@ Reason = Literal[
     "output_gap",
     "experimenter",
 ]
-"""Reason for which a touch or an answer is invalid."""
+"""Reason why a touch or an answer is invalid."""
 REASONS: Final[tuple[str, ...]] = get_args(Reason)
 
 
 @dataclass(frozen=True)
 class Trial:
-    """Request and result of one trial; `None` means not measured (an empty cell).
+    """Request and result of one trial. None means not measured (empty cell).
 
-    `factors` keep names and order of the study file. Times are seconds since the start of the session; `timestamp_utc`
-    is ISO 8601, empty in simulated time.
+    `factors` have the names and the order of the study file. Times are seconds since the start of the session.
+    `timestamp_utc` is ISO 8601, empty in simulated time.
     """
 
     block: int
@@ -87,7 +87,7 @@ class Trial:
 
 
 def without(trials: Iterable[Trial], retracted: Collection[Key]) -> tuple[Trial, ...]:
-    """Return the rows, those of `retracted` trials marked as not valid.
+    """Return the rows, with those of `retracted` trials marked as invalid.
 
     >>> without([Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1, correct=True)], {(1, 1, 1)})[0].invalid_reason
     'experimenter'
@@ -102,12 +102,9 @@ def without(trials: Iterable[Trial], retracted: Collection[Key]) -> tuple[Trial,
 
 @dataclass(frozen=True)
 class Tally:
-    """Counts of rows: one presentation counts once, repeated attempts are one trial, questionnaires are answers.
+    """Counts of presentations, trials and answers to questionnaires.
 
-    >>> item = Trial(1, 1, {}, "sus", 20.0, "dB", "rating", 3.0, item="SUS1")
-    >>> rows = [item, replace(item, item="SUS2"), replace(item, attempt=2, valid=False), replace(item, level=None)]
-    >>> str(tally(rows))
-    '1 trial in 2 presentations, 1 of them not valid, and 1 answer to questionnaires'
+    Several rows of one presentation count once, and repeated attempts are one trial.
     """
 
     n_presented: int = 0

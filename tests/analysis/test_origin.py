@@ -130,7 +130,7 @@ def test_changed_setting_between_sittings_has_warning(tmp_path):
     sit(tmp_path, SOUND, stops_at=4)
     sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, resume=True)
     assert analyse_trials(read_trials(tmp_path)).warnings[0] == (
-        "P01, session 1: sitting 2 differs from the one before: output_volts_per_unit was 200.0, is 400.0"
+        "P01, session 1: sitting 2 differs from the previous one: output_volts_per_unit was 200.0, is 400.0"
     )
 
 

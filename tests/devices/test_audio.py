@@ -116,8 +116,8 @@ def test_shared_card_is_refused_unless_allowed(sink):
         settings = json.dumps({"device": device, "sample_format": "int16"})
         return told_by([sys.executable, "-c", OPEN, settings], sink.env)
 
-    assert opened("pulse").startswith("DeviceFailed output audio: found 'pulse' (ALSA), where other programs may play")
-    assert opened("pulse").endswith("a card of its own, or shared = true in [output]; nothing was played\n")
+    assert opened("pulse").startswith("DeviceFailed output audio: found 'pulse' (ALSA), which other programs may use")
+    assert opened("pulse").endswith("a separate card, or shared = true in [output]; nothing was played\n")
     assert "other programs" not in opened("tofile") + opened("nothing")
 
 
@@ -134,11 +134,11 @@ def test_gain_is_refused_when_system_volume_differs(sink, monkeypatch):
         subprocess.run(["pactl", "set-sink-volume", "finger", words], env=sink.env, check=True)
 
     assert devices(system_volume=1.0).output.name == "audio pulse"
-    with pytest.raises(DeviceFailed, match=r"system_volume: found a gain of an unknown volume, .* of 100 %,"):
+    with pytest.raises(DeviceFailed, match=r"system_volume: found a measurement at an unknown volume, .* of 100 %,"):
         devices()
     try:
         set_volume("40%")
-        with pytest.raises(DeviceFailed, match=r"a volume of 100 %, expected one of a volume of 40 %, as it is now;"):
+        with pytest.raises(DeviceFailed, match=r"a volume of 100 %, expected a volume of 40 %, the current setting;"):
             devices(system_volume=1.0)
         assert devices(system_volume=0.4).output.name == "audio pulse"
     finally:

@@ -17,7 +17,7 @@ OTHERS = [([[1.0, -1.0]], "N"), ([[0.0, 0.0]], "V"), ([[1.0, -0.5]], "V"), ([[1.
 
 @pytest.mark.parametrize(("values", "unit"), OTHERS)
 def test_encode_refuses_samples_of_several_magnitudes(values, unit):
-    with pytest.raises(InvalidParameter, match=r"more than one size, or of none.*\+V, -V and 0 \(off\) alone"):
+    with pytest.raises(InvalidParameter, match=r"samples of several sizes, or only 0.*only \+V, -V and 0 \(off\)"):
         encode(Signal(np.array(values), RATE_HZ, unit))
 
 

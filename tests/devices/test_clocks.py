@@ -139,7 +139,7 @@ def test_fast_stamps_are_rejected_beyond_a_bound(rate, delay_s):
 def test_slow_stamps_are_rejected_after_a_delay(rate):
     at_s, fault = first_fault(rate)
     assert at_s == pytest.approx(LATE_S / (1 - rate) + LATE_FOR_S, abs=2.1 * BLOCK_S)
-    assert "s old when they come, expected at most 0.1 s: its clock runs slow, has stopped" in fault
+    assert "s old on arrival, expected at most 0.1 s: its clock runs slow, has stopped" in fault
 
 
 def test_delayed_block_is_not_a_slow_clock():

@@ -151,7 +151,7 @@ def test_full_scale_and_supply_allow_rounding_errors_only(tmp_path):
 def test_driver_refuses_signals_above_its_full_scale(values, gain):
     driver, signal = SixteenBits(gain), volts(values)
     if signal.peak > gain.load_volts_per_unit * (1 + 1e-9):
-        with pytest.raises(DeviceFailed, match="what the device and its amplifier reach.*nothing was played"):
+        with pytest.raises(DeviceFailed, match="the range of the device and its amplifier.*nothing was played"):
             driver.final(signal)
     elif signal.peak <= gain.load_volts_per_unit:
         assert np.all(np.abs(driver.final(signal).samples) <= np.abs(signal.samples) * (1 + 1e-12))
@@ -160,9 +160,9 @@ def test_driver_refuses_signals_above_its_full_scale(values, gain):
 @pytest.mark.parametrize(
     ("limits", "load", "message"),
     [
-        (None, FINGER, "found no limits, expected those of what is connected"),
+        (None, FINGER, "found no limits, expected limits for the connected load"),
         (Limits(1.0), FINGER, "limits: found no current_peak_a or charge_peak_c, no duration_s, no duty"),
-        (LIMITS, None, "found no load, expected what is connected to it"),
+        (LIMITS, None, "found no load, expected kind and capacitance_f"),
     ],
 )
 def test_device_is_not_opened_without_stated_limits(limits, load, message):
@@ -180,7 +180,7 @@ def test_duty_and_session_count_stopped_signals():
     half = volts(np.zeros((1, 400)))
     output.play(half)
     clock.now_s = 0.5
-    with pytest.raises(LimitExceeded, match="limits.duty: found signals in a part of 0.8"):
+    with pytest.raises(LimitExceeded, match="limits.duty: found signals during 0.8"):
         output.play(half)
     clock.now_s = 0.05
     output.stop()
@@ -200,7 +200,7 @@ def test_duty_and_session_count_stopped_signals():
     [
         (Gain(1.0, 1.0, date(2026, 1, 1), "A", 30), "of 2026-01-01, 59 days old, expected at most 30"),
         (Gain(1.0, 1.0, date(2026, 2, 28), "A", 0), "of 2026-02-28, 1 day old, expected at most 0"),
-        (Gain(1.0, 1.0, date(2027, 1, 1), "A", 30), "which is in the future, expected a day up to 2026-"),
+        (Gain(1.0, 1.0, date(2027, 1, 1), "A", 30), "which is in the future, expected a date up to 2026-"),
         (Gain(1.0, 1.0, None, "A", 30), "found max_age_days without measured_on"),
     ],
 )
@@ -318,7 +318,7 @@ def test_closed_ni_output_plays_nothing(task):
     output = NI.driver(Gain(10.0, 20.0))
     for leave in (lambda: None, output.close):
         leave()
-        with pytest.raises(DeviceFailed, match="found it closed, expected it open; nothing was played"):
+        with pytest.raises(DeviceFailed, match="found a closed output, expected an open one; nothing was played"):
             output.play(volts([[1.0], [2.0]]))
         assert not task.start.called
         output.open()

@@ -58,7 +58,7 @@ def test_board_receives_streams_and_stops(tmp_path):
     assert got[0].endswith(silence + silence)
     assert decode(got[0][len(silence) : -2 * len(silence)]).digest() == signal.digest()
     assert output.facts() == {"n_bytes": len(got[0])}
-    with pytest.raises(DeviceFailed, match="found it closed, expected it open; nothing was played"):
+    with pytest.raises(DeviceFailed, match="found a closed output, expected an open one; nothing was played"):
         output.play(signal)
 
 
@@ -174,7 +174,7 @@ def test_incompletely_read_stream_counts_as_gap(board):
 
 
 NOT_READ = (
-    "had not read all of a stream when the next one came, so that the stream was not played"
+    "had not read a whole stream when the next stream began, so that it was not played"
     r"|accepted \d+ of \d+ bytes within 1.1 s, expected all; restart the board"  # by then, on a busy machine
 )
 
@@ -203,7 +203,7 @@ def test_unread_stop_fails_and_withdraws_the_stream(board):
     wait_for(lambda: output._sending.n_sent)
 
     def stop():
-        with pytest.raises(DeviceFailed, match="the board did not read a stop within 0.09 s: switch its amplifier off"):
+        with pytest.raises(DeviceFailed, match="the board did not read a stop within 0.09 s; switch its amplifier off"):
             output.stop()
 
     assert READ_WITHIN_S <= took_s(stop) < WITHIN_S
@@ -351,7 +351,7 @@ def test_one_bit_output_refuses_other_voltages():
     with pytest.raises(DeviceFailed, match="found a signal of 20 V, expected the 30 V of the supply"):
         output.final(volts([[20.0, -20.0]]))
     assert output.final(volts([[30.0, 0.0]])).samples.tolist() == [[30.0, 0.0]]
-    with pytest.raises(DeviceFailed, match="expected \\+V, -V and 0 .*nothing was played"):
+    with pytest.raises(DeviceFailed, match="expected only \\+V, -V and 0 .*nothing was played"):
         output.final(volts([[30.0, 15.0]]))
     with pytest.raises(DeviceFailed, match="found a signal of 20 V"):
         output.play(volts([[20.0, -20.0]]))

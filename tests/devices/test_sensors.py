@@ -156,8 +156,11 @@ def test_noise_on_the_line_loses_no_frame(plugged):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (SerialSettings("no/line", 1000.0), r"serial no/line: cannot open the line \(No such file.*\), expected a dev"),
-        (UdpSettings("no.such.host.invalid", 1000.0), "cannot reach the sensor .*expected its address"),
+        (
+            SerialSettings("no/line", 1000.0),
+            r"serial no/line: cannot open the line \(No such file.*\), expected a readable dev",
+        ),
+        (UdpSettings("no.such.host.invalid", 1000.0), "the sensor cannot be reached .*expected its address"),
         (RecordedSettings("no/such/file.csv", 1000.0), "cannot be read as a recording"),
     ],
 )
@@ -185,7 +188,7 @@ def test_lsl_library_is_silent_unless_configured(tmp_path, settings):
     env = {**os.environ, "HOME": str(tmp_path)}
     command = [sys.executable, "-c", SEARCH]
     said = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, check=True)
-    assert said.stdout == "lsl none: found no such stream in 0.1 s, expected its outlet to run\n"
+    assert said.stdout == "lsl none: found no such stream in 0.1 s, expected a running outlet\n"
     assert ("INFO" in said.stderr) is bool(settings)
     assert settings or said.stderr == ""
 
@@ -193,7 +196,7 @@ def test_lsl_library_is_silent_unless_configured(tmp_path, settings):
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
 def test_stream_that_differs_from_bench_file_is_refused(plugged, monkeypatch):
     monkeypatch.setattr("tactometry.devices.sensors.lsl.LONGEST_SEARCH_S", 2.0)
-    with pytest.raises(DeviceFailed, match="found no such stream in 2 s, expected its outlet to run"):
+    with pytest.raises(DeviceFailed, match="found no such stream in 2 s, expected a running outlet"):
         LslSettings("nobody sends this", 1000.0).source().open()
     device = plugged("lsl")
     with pytest.raises(DeviceFailed, match="with n_channels 3, expected 1; correct the bench file"):
@@ -244,7 +247,7 @@ CLOCKS = ("1.3", "10", "0.7", "0")
 """Rates of clocks that run fast, slow, and not at all."""
 ONE_EACH = (("serial", "1.3"), ("lsl", "10"), ("udp", "0.7"), ("serial", "0"))
 """Every clock and every kind; `make check` takes each of the twelve."""
-FAST, LATE = "found a stamp .* s after its arrival", "found samples that are .* s old when they come, expected at most"
+FAST, LATE = "found a stamp .* s after its arrival", "found samples that are .* s old on arrival, expected at most"
 RATE = "found a clock that runs .* times as fast as this computer's, expected within 2%"
 
 
@@ -339,10 +342,10 @@ def test_recording_is_replayed_in_real_time(tmp_path):
     ("text", "message"),
     [
         ("t,x\n0,1\n", "found the columns t, x, expected time_s and 1 channels"),
-        ("time_s,x\n", r"cannot be read as a recording \(found no row of numbers, expected at least one\)"),
+        ("time_s,x\n", r"cannot be read as a recording \(found no rows of numbers, expected at least one row\)"),
         ("time_s,x,y\n0,1,2\n", "found the columns time_s, x, y, expected time_s and 1 channels"),
-        ("time_s,x\n0\n", "found 1 columns of numbers under 2 names, expected as many"),
-        ("time_s,x\n1,2\n0,3\n", "found times that do not rise"),
+        ("time_s,x\n0\n", "found 1 columns of numbers for 2 names, expected equal numbers"),
+        ("time_s,x\n1,2\n0,3\n", "found times that do not increase"),
         ("time_s,x\n1,a\n", "cannot be read as a recording"),
     ],
 )

@@ -92,5 +92,5 @@ def test_other_events_leave_finger_unchanged(kind, code, value):
 
 
 def test_missing_touch_device_is_named():
-    with pytest.raises(DeviceFailed, match="touch no/event: cannot open it .*expected an event device"):
+    with pytest.raises(DeviceFailed, match="touch no/event: cannot open it .*expected a readable event device"):
         TouchSettings("no/event").source().open()

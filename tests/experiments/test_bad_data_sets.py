@@ -147,7 +147,7 @@ def test_validation_names_first_differing_row_with_wrong_seed(copied):
     study, _ = load("tutorial")
     experiment = wire(study, "tutorial")
     recording = read(next((copied / "journals").glob("*P01*")))
-    with pytest.raises(Diverged, match=r"line \d+: .*the recording has .*, the protocol requests"):
+    with pytest.raises(Diverged, match=r"line \d+: .*the recording has .*, but the protocol requests"):
         replay(experiment.course("P01", 1, 1, 4), recording.replay("journal"))
 
 

@@ -181,7 +181,7 @@ def test_packed_streams_have_no_ramps(tmp_path):
         ),
         (("amplifier_gain = 50.0", "amplifier_gain = 0"), "output.gain.amplifier_gain: found 0.0, expected"),
         (('sensor = "hand"\nchannel = 2', 'sensor = "hnad"'), "force.sensor: found 'hnad', expected one of .*'hand'"),
-        (("polynomial = [-0.5, 0.01]\n", ""), "force: found none or more than one of newtons_per_count"),
+        (("polynomial = [-0.5, 0.01]\n", ""), "force: found none, or more than one, of newtons_per_count"),
         (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: .*'soon', expected a date"),
         (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
         (("[screen]", '[screen]\nlanguage = "it"'), "screen.language: found 'it', expected one of de, en, fr"),
@@ -205,7 +205,7 @@ def test_anything_else_is_refused_in_one_sentence(tmp_path, change, message):
 
 @pytest.mark.parametrize("channels", [[], [0, 0], [0, -1]])
 def test_an_outlet_of_a_card_is_named_once(channels):
-    with pytest.raises(InvalidParameter, match=r"^output\.channels: found .*expected at least one outlet, each from 0"):
+    with pytest.raises(InvalidParameter, match=r"^output\.channels: found .*expected at least one channel, from 0"):
         parse_bench({"output": {"kind": "audio", "rate_hz": 48e3, "device": "x", "channels": channels}})
 
 
@@ -243,8 +243,11 @@ def test_impossible_number_is_refused_with_the_file(part, table, name, value):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("channel = 2", "channel = 3"), "force.channel: found 3, expected from 0 to 2, a channel of lsl force"),
-        (("channels = [0, 1]\nmetres", "channels = [0, -1]\nmetres"), "position.channels: found -1, expected from 0"),
+        (("channel = 2", "channel = 3"), "force.channel: found 3, expected a channel of lsl force, from 0 to 2"),
+        (
+            ("channels = [0, 1]\nmetres", "channels = [0, -1]\nmetres"),
+            "position.channels: found -1, expected a channel of lsl force, from 0",
+        ),
     ],
 )
 def test_unknown_sensor_channel_is_refused(tmp_path, change, message):

@@ -72,6 +72,6 @@ def test_study_is_refused_without_the_documented_line(tmp_path):
     assert len(findings) == 2
     for each in findings:
         assert (
-            "with rate_hz 20000, expected 192000; state that rate_hz in the study's [stimulus] (or its setup)"
+            "with rate_hz 20000, expected 192000; state this rate_hz in [stimulus] of the study (or its setup)"
             in each.found
         )

@@ -96,7 +96,7 @@ def test_check_tries_sensor_and_card_together(tmp_path, display, in_background, 
     strongest = [each["found"] for (_, what), each in findings.items() if what.startswith("strongest")]
     assert len(strongest) == 2
     assert all(" of touch " in each or "level 40 of " in each for each in strongest)
-    assert all("found a signal with rate_hz 20000, expected 48000; state that rate_hz in" in each for each in strongest)
+    assert all("found a signal with rate_hz 20000, expected 48000; state this rate_hz in" in each for each in strongest)
 
 
 def test_check_measures_a_real_key_press(watched, participant, hands, in_background):
@@ -278,7 +278,7 @@ def test_check_reports_slide_without_position(tmp_path):
 
 
 def test_long_message_is_printed_below_narrow_table():
-    words = "serial no/line: cannot open the line (No such file or directory), expected a device to read"
+    words = "serial no/line: cannot open the line (No such file or directory), expected a readable device"
     text = _table([Finding("disk", "free", "1 GB", fine=True), Finding("sensor hand", "failed", words, fine=False)])
     assert text.splitlines()[-2:] == [f"sensor hand: {words}", "1 failed"]
     assert "see below" in text

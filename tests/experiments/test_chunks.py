@@ -63,7 +63,7 @@ def test_bytes_do_not_depend_on_work_order(whole, tmp_path):
 @pytest.mark.parametrize(
     ("seed", "resume", "sentence"),
     [
-        (1, False, "found this run of tracks, expected none; continue with --resume"),
+        (1, False, "found this run of tracks, expected an empty folder; continue with --resume"),
         (2, True, "found seed 1, expected 2 as requested; choose another --out"),
     ],
 )

@@ -56,14 +56,14 @@ def test_amplified_output_needs_a_gain(tmp_path, capsys, kind):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"measured_on": None}, r"\.measured_on: found none, expected the day of its measurement"),
-        ({"measured_by": None}, r"\.measured_by: found none, expected who did"),
-        ({"measured_by": ""}, r"\.measured_by: found none, expected who did"),
+        ({"measured_on": None}, r"\.measured_on: found none, expected the date of its measurement"),
+        ({"measured_by": None}, r"\.measured_by: found none, expected the author"),
+        ({"measured_by": ""}, r"\.measured_by: found none, expected the author"),
         ({"measured_with": None}, r"\.measured_with: found none, expected the output"),
         ({"measured_with": "audio Interface, int16"}, r"\.measured_with: found 'audio Interface, int16', expected '"),
         (
             {"system_volume": 0.5},
-            r"\.system_volume: found a gain of a volume of 50 %, expected one of an unknown volume",
+            r"\.system_volume: found a measurement at a volume of 50 %, expected",
         ),
         (
             {"measured_on": date(2025, 11, 20)},

@@ -22,9 +22,9 @@ def found(root):
 def test_missing_line_is_named_by_the_next(lived, missing):
     lines = journal_of(lived).read_bytes().splitlines(keepends=True)
     journal_of(lived).write_bytes(b"".join(lines[: missing - 1] + lines[missing:]))
-    with pytest.raises(InvalidFile, match=f"line {missing}: the line is damaged, or one before it is missing"):
+    with pytest.raises(InvalidFile, match=f"line {missing}: the line is damaged, or an earlier line is missing"):
         read(journal_of(lived))
-    assert any(f"row {missing}: the line is damaged, or one before it is missing" in text for text in found(lived))
+    assert any(f"row {missing}: the line is damaged, or an earlier line is missing" in text for text in found(lived))
 
 
 def test_lines_that_changed_places_are_found(lived):

@@ -171,7 +171,7 @@ def test_sittings_of_one_session_must_agree(tmp_path, key):
     write(path, [tables[0], {"sitting": {**tables[0], "started_utc": None}}, *tables[1:]])
     assert len(read(path).sittings) == 2
     write(path, [tables[0], {"sitting": {**tables[0], key: other[key]}}, *tables[1:]])
-    with pytest.raises(InvalidFile, match="line 2: found a sitting of another session than the first line's"):
+    with pytest.raises(InvalidFile, match="line 2: found a sitting of a different session than the first line"):
         read(path)
 
 

@@ -192,7 +192,10 @@ def test_real_loopback_is_learned_as_a_wire(sink, tmp_path, artefacts):
     arguments += ["--quantity", "displacement", "--voltage-v", 5.0, "--band-hz", 200, 20000, "--sequence-order", 14]
     arguments += ["--duration-s", 0.01, "--out", "learnt.npz", "--figure", artefacts / "learnt.png", "--by", "ZG"]
     refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
-    assert (refused.returncode, "--hands-off: found no confirmation, expected it before a sweep" in refused.stderr) == (
+    assert (
+        refused.returncode,
+        "--hands-off: found no confirmation, expected one before a sweep" in refused.stderr,
+    ) == (
         2,
         True,
     )
@@ -222,5 +225,5 @@ def test_without_limits_nothing_is_learnt_nor_played(calibrate, tmp_path):
     text = LOOPBACK[: LOOPBACK.index("[limits]")] + LOOPBACK[LOOPBACK.index("[sensors") :]
     (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
     result = calibrate("responses", "--bench", "bench.toml", *arguments, "--out", "x.npz", "--by", "ZG")
-    assert "expected those of the load; nothing was played" in result.stderr
+    assert "expected limits of the load; nothing was played" in result.stderr
     assert not (tmp_path / "x.npz").exists()

@@ -47,7 +47,7 @@ def test_own_observer_answers_a_session(study, tmp_path, capsys):
     code, said, _ = call(capsys, *words, tmp_path / "other")
     assert code == 2
     assert said.count("\n") == 0
-    assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
+    assert "observer.kind: found 'mine:Guesser', an observer which runs code, expected --allow-code" in said
     assert not (tmp_path / "other").exists()
 
 
@@ -55,7 +55,7 @@ def test_own_observer_does_not_run_without_permission(study, tmp_path, capsys):
     (study.parent / "mine.py").write_text("raise SystemExit('it ran')\n")
     code, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d")
     assert code == 2
-    assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
+    assert "observer.kind: found 'mine:Guesser', an observer which runs code, expected --allow-code" in said
     assert not (tmp_path / "d").exists()
     words = ("run", study, "--participant", "P01", "--rig", "console", "--dry-run", "--allow-code")
     assert call(capsys, *words)[0] == 0
@@ -104,7 +104,11 @@ def test_cluster_finds_own_observer_by_study_path(study, tmp_path, capsys):
     [
         ("mine:Guesser", None, "but no file mine.py in"),
         ("mine:Guesser", "1 / 0\n", "mine.py, line 1 (ZeroDivisionError: division by zero), expected a module that"),
-        ("mine:Guesser", "raise SystemExit(0)\n", "mine.py, line 1 (SystemExit: 0), expected a module that runs"),
+        (
+            "mine:Guesser",
+            "raise SystemExit(0)\n",
+            "mine.py, line 1 (SystemExit: 0), expected a module that can be imported",
+        ),
         ("mine:Guesser", "Guesser = 3\n", "no dataclass 'Guesser' in mine.py"),
         (
             "mine:Guesser",
@@ -128,7 +132,7 @@ WRONG = [
     ("detect", "return 1 / 0", "found ZeroDivisionError (division by zero) in detect, expected an answer"),
     ("detect", "return 'maybe'", "found 'maybe' as the answer of detect, expected True or False"),
     ("answer_time_s", "return float('nan')", "found nan as the answer of answer_time_s, expected a finite number"),
-    ("facts", "return {'levels': [1]}", "expected a dictionary of plain texts and numbers"),
+    ("facts", "return {'levels': [1]}", "expected a dictionary of texts and numbers"),
     ("participant", "return None", "found None as the answer of participant, expected an observer"),
     ("detect", "raise SystemExit(0)", "found SystemExit (0) in detect, expected an answer"),
     ("detect", "raise SystemExit(143)", "found SystemExit (143) in detect, expected an answer"),

@@ -116,7 +116,7 @@ def test_own_signals_reach_the_output_unchanged(own, tmp_path, capsys, monkeypat
     words = ("run", own, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", tmp_path / "d")
     refused = call(capsys, *words)
     assert refused[0] == 2
-    assert "stimulus.kind: found 'mine:Chirp', a stimulus whose code would run, expected --allow-code" in refused[1]
+    assert "stimulus.kind: found 'mine:Chirp', a stimulus which runs code, expected --allow-code" in refused[1]
     assert not (tmp_path / "d").exists()
     assert call(capsys, *words, "--allow-code", "--seed", "3")[0] == 0
     made = {}
@@ -130,7 +130,7 @@ def test_own_signals_reach_the_output_unchanged(own, tmp_path, capsys, monkeypat
 
 def test_own_stimulus_does_not_run_without_permission(own, tmp_path, capsys):
     own.with_name("mine.py").write_text("raise SystemExit('it ran')\n")
-    sentence = "a stimulus whose code would run, expected --allow-code"
+    sentence = "a stimulus which runs code, expected --allow-code"
     for words in (("simulate", own, *ALL, "--out", tmp_path / "d"), ("run", own, "--participant", "P1", "--dry-run")):
         said = refused(capsys, *words)
         assert sentence in said
@@ -142,7 +142,7 @@ def test_own_sensation_needs_permission_to_simulate(own, tmp_path, capsys):
     stimulus = '[factors]\nfrequency_hz = [60, 240]\n\n[stimulus]\nkind = "sine"\n'
     own.write_text(BEFORE + stimulus + OWN_TABLES[OWN_TABLES.index("[sensation]") :] + AFTER)
     said = refused(capsys, "simulate", own, *ALL, "--out", tmp_path / "d")
-    assert "sensation.kind: found 'mine:Felt', a model of what is felt whose code would run, expected --allow-" in said
+    assert "sensation.kind: found 'mine:Felt', a model of what is felt which runs code, expected --allow-" in said
     assert call(capsys, "run", own, "--participant", "P01", "--rig", "console", "--dry-run")[0] == 0
     assert call(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")[0] == 0
 
@@ -273,7 +273,7 @@ UNSOUND = {
     "silent": (wav(np.zeros(N_SAMPLES, "<i2")), "found only zeros, expected a sample that is not 0"),
     "stereo": (wav(np.stack([as_int16(TONE)] * 2, axis=1)), "found 2 channels, expected one; keep the intended"),
     "not a number": (wav(np.where(np.arange(N_SAMPLES) == 7, np.nan, TONE)), "found nan as sample 7, expected finite"),
-    "no WAV": (b"OggS" + bytes(100), "found no WAV file, expected one that begins with RIFF and WAVE"),
+    "no WAV": (b"OggS" + bytes(100), "found no WAV file, expected a file that begins with RIFF and WAVE"),
     "nothing": (b"", "found no WAV file"),
     "cut off": (
         wav(as_int16(TONE))[:1000],
@@ -281,7 +281,7 @@ UNSOUND = {
     ),
     "cut off in its head": (
         wav(as_int16(TONE))[:20],
-        "found no complete chunk 'fmt ', expected one: the file is incomplete",
+        "found no complete chunk 'fmt ', expected a complete one: the file is incomplete",
     ),
 }
 

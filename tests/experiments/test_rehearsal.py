@@ -20,17 +20,20 @@ BLOCK = '[texts]\nblock = "{frequency_hz:.1f} Hz"\n'
 FLAWS = {
     "unknown place": (
         '[texts]\nend = "{nope}"\n',
-        "texts: message 'end': found a place that cannot be filled ('nope')",
+        "texts: message 'end': found a placeholder that cannot be filled ('nope')",
     ),
-    "open brace": ('[texts]\nend = "{"\n', "texts: message 'end': found a place that cannot be filled"),
+    "open brace": ('[texts]\nend = "{"\n', "texts: message 'end': found a placeholder that cannot be filled"),
     "wide number": (
         '[texts]\nwelcome = "{n_blocks:99999999999999}"\n',
-        "texts: message 'welcome': found a place that cannot be filled (99999999999999 asks for more letters",
+        "texts: message 'welcome': found a placeholder that cannot be filled (99999999999999 produces more letters",
     ),
-    "place of another page": ('[texts]\nfelt = "{block}?"\n', "texts: message 'felt': found a place that cannot be"),
+    "place of another page": (
+        '[texts]\nfelt = "{block}?"\n',
+        "texts: message 'felt': found a placeholder that cannot be",
+    ),
     "page within a block": (
         '[texts]\nrest = "{block}"\n',
-        "texts: message 'rest': found a place that cannot be filled",
+        "texts: message 'rest': found a placeholder that cannot be filled",
     ),
     "no such text": ('[texts]\nende = "Bye"\n', "texts.ende: found a text that no page shows, expected a name in"),
     "no such text in a translation": (
@@ -39,7 +42,7 @@ FLAWS = {
     ),
     "unknown place in a translation": (
         '[translations.fr]\nend = "{nope}"\n',
-        "translations.fr: message 'end': found a place that cannot be filled ('nope')",
+        "translations.fr: message 'end': found a placeholder that cannot be filled ('nope')",
     ),
     "unknown language": ('[translations.xx]\nend = "Fin"\n', "translations.xx: language: found 'xx', expected"),
     "language of a prompt that is not there": (
@@ -48,11 +51,11 @@ FLAWS = {
     ),
     "number on a questionnaire's page": (
         '[texts]\nquestions = "{frequency_hz:.1f}"\n[inquiries.end]\nform = "sus"\n',
-        "texts: message 'questions': found a place that cannot be filled (Unknown format code 'f'",
+        "texts: message 'questions': found a placeholder that cannot be filled (Unknown format code 'f'",
     ),
     "factor that is interleaved": (
         f'{BLOCK}[plan]\ninterleave = ["frequency_hz"]\n',
-        "texts: message 'block': found a place that cannot be filled ('frequency_hz')",
+        "texts: message 'block': found a placeholder that cannot be filled ('frequency_hz')",
     ),
 }
 SOUND = {

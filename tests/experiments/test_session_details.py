@@ -115,7 +115,7 @@ def test_journal_continues_after_full_disk(tmp_path):
     size, (soft, hard) = (tmp_path / "j.jsonl").stat().st_size, resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size + 10, hard))
     try:
-        with pytest.raises(DeviceFailed, match="expected room on the disk"):
+        with pytest.raises(DeviceFailed, match="expected free disk space"):
             journal.append(Wait(2.0), Done(2.0))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
@@ -157,7 +157,7 @@ def test_failed_rig_is_closed():
 def test_journal_with_extra_answers_is_refused():
     lived = Memory()
     run(one_block(np.random.default_rng(1)), catalogue.simulated(7), lived)
-    with pytest.raises(Diverged, match="the recording goes on with"):
+    with pytest.raises(Diverged, match="the recording continues with"):
         run(one_block(np.random.default_rng(1)), catalogue.simulated(7), Memory([*lived.entries, lived.entries[-1]]))
 
 

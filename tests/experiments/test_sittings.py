@@ -38,7 +38,7 @@ def test_changed_facts_of_a_sitting_are_reported(tmp_path):
     assert [head.facts["output_volts_per_unit"] for head in recording.sittings] == [200.0, 400.0, 400.0]
     assert [head.started_utc is None for head in recording.sittings] == [False] * 3
     assert heads(journal_of(tmp_path)) == recording.sittings
-    change = "sitting 2 differs from the one before: output_volts_per_unit was 200.0, is 400.0"
+    change = "sitting 2 differs from the previous one: output_volts_per_unit was 200.0, is 400.0"
     assert validate(tmp_path).notes == (f"journals/{journal_of(tmp_path).name}: {change}",)
     assert validate(tmp_path).defects == ()
     assert replay_data_set(tmp_path)[0].changes == (change,)
@@ -212,7 +212,7 @@ def test_simulated_participant_among_people_is_refused(tmp_path):
     sit(tmp_path, SOUND)
     before = contents(tmp_path)
     with pytest.raises(
-        InvalidFile, match="found sessions of people, expected none next to those of the rig 'simulated'"
+        InvalidFile, match="found sessions of real participants, expected none in the folder of rig 'simulated'"
     ):
         simulate(tmp_path, Who("P02", seed=1))
     assert contents(tmp_path) == before
@@ -221,7 +221,7 @@ def test_simulated_participant_among_people_is_refused(tmp_path):
 def test_so_is_one_of_the_same_code(tmp_path):
     sit(tmp_path, SOUND)
     before, other = contents(tmp_path), Who(WHO.participant, seed=2)
-    with pytest.raises(InvalidFile, match="found sessions of people, expected none next to those of the rig"):
+    with pytest.raises(InvalidFile, match="found sessions of real participants, expected none in the folder of rig"):
         simulate(tmp_path, other)
     with pytest.raises(InvalidParameter, match="--rig: found simulated, but this session began with bench"):
         record(EXPERIMENT, TOML, tmp_path, other, simulated(EXPERIMENT, other), resume=True)
@@ -233,7 +233,7 @@ def test_people_among_simulated_participants_are_refused(tmp_path, lived, is_old
     root = Path(shutil.copytree(RECORDED / "yes-no", tmp_path / "older")) if is_older else lived
     before = contents(root)
     given = older(root) if is_older else {}
-    with pytest.raises(InvalidFile, match="found sessions of simulated participants, expected none next to"):
+    with pytest.raises(InvalidFile, match="found sessions of simulated participants, expected none in"):
         sit(root, SOUND, **{**given, "who": Who("P77", seed=1)})
     assert contents(root) == before
 

@@ -171,7 +171,10 @@ def test_invalid_options_are_refused(case, capsys, tmp_path):
 
 @pytest.mark.parametrize(
     ("more", "expected"),
-    [([], "found this validation, expected none; continue with --resume"), (["--resume"], "found seed 3, expected 1")],
+    [
+        ([], "found this validation, expected an empty folder; continue with --resume"),
+        (["--resume"], "found seed 3, expected 1"),
+    ],
 )
 def test_folder_of_another_run_is_unchanged(more, expected, whole, capsys):
     root, _ = whole

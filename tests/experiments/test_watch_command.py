@@ -90,4 +90,4 @@ def test_watch_reports_folder_without_session(tmp_path, capfd):
     with pytest.raises(SystemExit) as ended:
         main(["watch", str(tmp_path)])
     assert ended.value.code == 2
-    assert "found no journal of such a session, expected a session that has begun, or --wait" in capfd.readouterr().err
+    assert "found no journal of this session, expected a session that has begun, or --wait" in capfd.readouterr().err

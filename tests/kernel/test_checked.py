@@ -144,7 +144,7 @@ def test_class_checks_arguments_of_constructor_and_methods(call, name):
         (lambda: require.lookup("kind", "hnad", {"hand": 1}), "found 'hnad', expected one of hand; did you mean 'hand"),
         (lambda: require.below_1("Rod", part=1.0), "Rod.part: found 1.0, expected a number from 0 to below 1"),
         (lambda: require.within("Rod", 0, 1, part=1.5), "Rod.part: found 1.5, expected a number from 0 to 1"),
-        (lambda: require.not_zero("Rod", tilt=0.0), "Rod.tilt: found 0.0, expected a finite number but 0"),
+        (lambda: require.not_zero("Rod", tilt=0.0), "Rod.tilt: found 0.0, expected a finite nonzero number"),
         (lambda: require.at_most("modes", 2e6, 1e6), "modes: found 2e+06, expected at most 1e+06"),
         (lambda: require.distinct("steps", (4.0, 2, 4), "each once"), "steps[2]: found 4 twice, expected each once"),
         (lambda: require.finite_array("at_v", [0.0, 1e200]), "at_v[1]: found 1e+200, expected a number of at most 1e+"),

@@ -140,5 +140,5 @@ def test_every_event_is_one_table_row(kind, at_s, facts):
 
 @pytest.mark.parametrize("facts", [{"words": "x"}, {"clock_offset_s": np.inf}], ids=str)
 def test_event_refuses_unknown_or_infinite_facts(facts):
-    with pytest.raises(InvalidParameter, match="event 'remark': found .*expected names of FACTS, with finite numbers"):
+    with pytest.raises(InvalidParameter, match="event 'remark': found .*expected names in FACTS and finite numbers"):
         Event("remark", 0.0, None, facts)

@@ -47,7 +47,7 @@ def test_duty_counts_across_sittings_data_sets_and_participants(display, tmp_pat
         process = tactometry(*words, "--participant", code, "--out", out, *resume, env=os.environ)
         status, _, errors = sit(process, display, any_keys(seed))
         assert status == 3, errors
-        assert "limits.duty: found signals in a part of 0.000333333 of the time, the limit is 0.00026 of" in errors
+        assert "limits.duty: found signals during 0.000333333 of the time, the limit is 0.00026 of" in errors
         assert len(list(played.glob("*.npz"))) == 3
         assert validate(out).defects == ()
 

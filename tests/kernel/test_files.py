@@ -105,7 +105,7 @@ def test_read_file_refuses_paths_that_are_no_file(tmp_path, kind):
 
 
 def test_make_folder_reports_failures(tmp_path):
-    with pytest.raises(DeviceFailed, match="cannot make the folder"):
+    with pytest.raises(DeviceFailed, match="cannot create the folder"):
         make_folder(tmp_path / ("x" * 300))
     (tmp_path / "f").touch()
     with pytest.raises(InvalidFile, match="f: found a file, expected a folder for the data set"):

@@ -91,7 +91,7 @@ def test_refusal_between_samples_names_peak_and_remedy():
         Limits(200.0).check_filtered(Signal(samples[None], RATE_HZ, "V"), None)
     assert str(refusal.value) == (
         "limits.voltage_peak_v: found between two samples, after the reconstruction filter, a peak of 282.843 V, the "
-        "limit is 200 V; smooth its steps and highest frequencies, or lower the level; nothing was played"
+        "limit is 200 V; smooth steps and high frequencies of the signal, or lower the level; nothing was played"
     )
 
 

@@ -113,7 +113,7 @@ def test_running_mean_smooths_a_short_tremor():
     ("times", "values", "message"),
     [
         ([], [], "at least one"),
-        ([0.0, 1.0], [1.0], "as many of both"),
+        ([0.0, 1.0], [1.0], "equal numbers of both"),
         ([0.0, 1.0], [1.0, math.nan], r"forces_n\[1\]: found nan"),
         ([math.inf], [1.0], r"times_s\[0\]: found inf"),
         ([0.0, 1.0, 0.5], [1.0, 1.0, 1.0], r"times_s\[2\]: found 0.5 after 1.0"),
@@ -271,9 +271,9 @@ def test_constant_speed_is_in_band_exactly_near_target(speed, tolerance):
         (
             [0.0, 1.0],
             [0.0, math.nan],
-            r"positions_m\[\d\]: found nan, expected a finite number; leave lost samples out",
+            r"positions_m\[\d\]: found nan, expected a finite number; remove lost samples",
         ),
-        ([0.0, 1.0], [0.0], "as many of both"),
+        ([0.0, 1.0], [0.0], "equal numbers of both"),
     ],
 )
 def test_motion_refuses_invalid_paths(times_s, places_m, words):

@@ -84,7 +84,7 @@ def test_number_of_syncs_is_independent_of_trials(tmp_path, n_syncs):
 
 def test_recorded_session_is_not_overwritten(lived):
     before = files(lived)
-    with pytest.raises(InvalidFile, match="this session has been recorded already, expected a new one"):
+    with pytest.raises(InvalidFile, match="this session has already been recorded, expected a new session"):
         live(lived)
     assert files(lived) == before
 
@@ -168,7 +168,7 @@ def _live_on_small_disk(root, n_bytes):
     try:
         live(root)
     except DeviceFailed as error:
-        return error.exit_status if "expected room on the disk" in str(error) else 99
+        return error.exit_status if "expected free disk space" in str(error) else 99
     except BaseException:
         return 98
     return 0
@@ -202,13 +202,13 @@ def test_session_on_a_real_full_disk_resumes(tmp_path):
         pytest.skip("mounting a small disk needs the rights of root")
     said, journals = done.stdout.splitlines()
     assert "No space left on device" in said
-    assert "expected room on the disk" in said
+    assert "expected free disk space" in said
     assert journals == "whole"
 
 
 def test_journal_refuses_numbers_that_are_not_finite(tmp_path):
     journal = Journal(tmp_path / "j.jsonl", resume=False)
-    with pytest.raises(DeviceFailed, match="cannot be kept without loss, expected finite numbers"):
+    with pytest.raises(DeviceFailed, match="cannot be stored without loss, expected finite numbers"):
         journal.append(Wait(1.0), Done(float("nan")))
     journal.close()
     assert (tmp_path / "j.jsonl").read_bytes() == b""
@@ -233,7 +233,7 @@ def test_choices_keep_their_type_when_encoded():
 
 
 def test_folder_of_another_study_is_refused(lived):
-    with pytest.raises(InvalidFile, match="study.toml: found another study or other numbers"):
+    with pytest.raises(InvalidFile, match="study.toml: found another study, or other settings"):
         record(EXPERIMENT, TOML + b"\n# edited", lived, Who("P02", seed=1), simulated(EXPERIMENT, Who("P02", seed=1)))
 
 

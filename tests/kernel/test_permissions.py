@@ -88,7 +88,7 @@ def closed(folder, name, content=""):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (TouchSettings, "touch .*: cannot open it .Permission denied., expected an event device that may be read"),
+        (TouchSettings, "touch .*: cannot open it .Permission denied., expected a readable event device"),
         (lambda path: RecordedSettings(path, 100.0), "cannot be read as a recording .*Permission denied"),
     ],
 )
@@ -119,7 +119,7 @@ def test_output_without_permission_is_refused(folder, settings):
 def test_data_set_without_permission_is_refused(folder):
     inner = folder / "inner"
     inner.mkdir(mode=0o755)
-    refused = pytest.raises(DeviceFailed, match="cannot make the folder .Permission denied., expected room and")
+    refused = pytest.raises(DeviceFailed, match="cannot create the folder .Permission denied., expected disk space and")
     with unprivileged(), refused:
         prepare(inner / "data", EXPERIMENT.design(TOML))
     with unprivileged():
@@ -225,4 +225,4 @@ def test_unreadable_data_folder_is_not_reported_as_empty(folder, capsys, loaded)
         status, said, _ = in_sentences(capsys, "analyse", root)
     (root / "data").chmod(0o700)
     assert status == 2
-    assert said == f"tactometry: {root / 'data'}: cannot be read (Permission denied), expected a folder to read"
+    assert said == f"tactometry: {root / 'data'}: cannot be read (Permission denied), expected a readable folder"

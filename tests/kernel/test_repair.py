@@ -124,7 +124,7 @@ def test_repair_leaves_journal_unchanged_when_disk_is_full(cut_off):
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(torn) // 2, hard))
     try:
-        with pytest.raises(DeviceFailed, match="expected room on the disk"):
+        with pytest.raises(DeviceFailed, match="expected free disk space"):
             Journal(cut_off, resume=True)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))

@@ -48,7 +48,7 @@ def test_resume_keeps_rows_missing_from_an_older_journal(lived, capsys):
     assert kept
     assert rows[-len(kept) :] == kept
     assert f"had {len(kept)} rows missing from the journal of {len(rows) - len(kept)} trials: they are kept" in said
-    assert "restore the newer one" in said
+    assert "restore the newer copy" in said
 
 
 def test_resume_keeps_rows_edited_by_hand(lived, capsys):
@@ -135,7 +135,9 @@ def test_commands_refuse_a_copy_under_another_name(lived, capsys, command, statu
 
 def test_copy_under_another_name_is_not_resumed(lived):
     copied_as(lived, "P99")
-    with pytest.raises(InvalidFile, match=r"P99.*jsonl, line 1: found session 1 of P01 \(tutorial\), expected that of"):
+    with pytest.raises(
+        InvalidFile, match=r"P99.*jsonl, line 1: found session 1 of P01 \(tutorial\), expected the session in"
+    ):
         live(lived, Who("P99", number=1), resume=True)
 
 

@@ -125,7 +125,7 @@ DATA_AT = WAV.index(b"data") + 4
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"RIFF", "found no WAV file, expected one that begins with RIFF and WAVE"),
+        (b"RIFF", "found no WAV file, expected a file that begins with RIFF and WAVE"),
         (wav(np.zeros((0, 2), "<i2")), "found no samples, expected"),
         (changed(WAV, DATA_AT, "<I", 0), "found no samples, expected at least one"),
         (changed(WAV, DATA_AT, "<I", 2**32 - 1), "found 300 of 4294967295 bytes of samples, expected all"),
@@ -136,7 +136,7 @@ DATA_AT = WAV.index(b"data") + 4
         (changed(WAV, 34, "<H", 0), "found 3 channels of 0 bits"),
         (WAV[:12] + WAV[WAV.index(b"data") :], "found samples before their format, expected a chunk 'fmt ' first"),
         (WAV[: DATA_AT - 4], "found no samples, expected a chunk 'data': the file is incomplete"),
-        (WAV[:30], "found no complete chunk 'fmt ', expected one: the file is incomplete"),
+        (WAV[:30], "found no complete chunk 'fmt ', expected a complete one: the file is incomplete"),
     ],
 )
 def test_wav_file_with_wrong_header_is_refused(tmp_path, content, message):
@@ -167,10 +167,10 @@ def test_rf64_file_is_read_with_large_size(tmp_path):
             HEADER.replace("rate_hz=100000", "rate_hz=1 rate_hz=2") + ROWS,
             "rate_hz=1 rate_hz=2 quantity=velocity unit=um/s', expected each key once",
         ),
-        (HEADER, "found no row of numbers, expected at least one"),
-        ("# rate_hz=1000\n", "line 2: found '', expected a header row|found no row of numbers"),
+        (HEADER, "found no rows of numbers, expected at least one row"),
+        ("# rate_hz=1000\n", "line 2: found '', expected a header row|found no rows of numbers"),
         ("", "'rate_hz' is not in the first line"),
-        (HEADER + "1,2\n", "found 2 columns of numbers under 3 names, expected as many"),
+        (HEADER + "1,2\n", "found 2 columns of numbers for 3 names, expected equal numbers"),
         (HEADER + "1,2,3\n1,2\n", "the number of columns changed from 3 to 2"),
     ],
 )
@@ -205,8 +205,8 @@ def archive(samples):
         (archive(b"nothing"), "samples: found a damaged array"),
         (npz(samples=np.zeros((1, 3, 0))), "as impulse responses: found no samples, expected at least one"),
         (npz(samples=np.array(["a"])), "samples: found an array of <U1, expected numbers"),
-        (npz(rate_hz=[1.0, 2.0]), "rate_hz: found an array of shape (2,), expected one number"),
-        (npz(quantity=["velocity"]), "quantity: found an array of shape (1,), expected one text"),
+        (npz(rate_hz=[1.0, 2.0]), "rate_hz: found an array of shape (2,), expected a single number"),
+        (npz(quantity=["velocity"]), "quantity: found an array of shape (1,), expected a single text"),
         (npz(quantity="x" * 2**19), "quantity: found 2097280 bytes, expected at most 1048576"),
         (npz()[:-30], "found no complete NPZ archive"),
     ],

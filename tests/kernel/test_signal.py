@@ -24,7 +24,7 @@ REFUSED = {
     "objects": (np.array([[1.0]], dtype=object), "values of type object"),
     "number beyond a double": ([[10**400]], "values of type object"),
     "None": (None, "values of type object"),
-    "rows of two lengths": ([[1.0, 2.0], [3.0]], "rows that form no array"),
+    "rows of two lengths": ([[1.0, 2.0], [3.0]], "rows that do not form an array"),
 }
 
 

@@ -60,7 +60,7 @@ def test_duplicate_table_is_named_with_its_lines(tmp_path: Path) -> None:
     ]
     with pytest.raises(InvalidFile) as refused:
         READERS["a study file"](path)
-    words = "expected it once: join their keys"
+    words = "expected one table; join their keys"
     assert str(refused.value) == f"{path}: found [observer] in lines {lines[0]} and {lines[1]}, {words}"
 
 

@@ -101,7 +101,9 @@ def test_damaged_trace_part_is_refused(tmp_path, files):
     part = files.keep("force", touch(1), 1000.0)
     path = trace_file(tmp_path, SESSION, "force")
     path.write_bytes(bytes(part.n_bytes))
-    with pytest.raises(InvalidFile, match="found other samples than were kept from byte 0 on, expected them whole"):
+    with pytest.raises(
+        InvalidFile, match="found other samples than were stored from byte 0 on, expected complete samples"
+    ):
         read_part(tmp_path, part)
     path.unlink()
     with pytest.raises(InvalidFile, match=r"cannot be read \(No such file or directory\), expected traces"):
@@ -113,7 +115,7 @@ def test_full_disk_leaves_kept_traces_intact(tmp_path, files):
     limits, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (first.n_bytes + 100, limits[1]))
     try:
-        with pytest.raises(DeviceFailed, match="expected room on the disk; all trials before are safe: make room"):
+        with pytest.raises(DeviceFailed, match="expected free disk space; all earlier trials are safe; free"):
             files.keep("force", touch(2), 1000.0)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)

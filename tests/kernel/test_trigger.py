@@ -132,7 +132,7 @@ def test_mute_fails_in_time_when_output_hangs(in_background, monkeypatch):
     in_background(trigger.consider)
     assert output.begins.wait(LONGEST_WAIT_S)
     begin_s = time.perf_counter()
-    with pytest.raises(DeviceFailed, match="output 'hung': it hangs, and did not begin within 0.1 s: switch its"):
+    with pytest.raises(DeviceFailed, match="output 'hung': it hangs and did not begin within 0.1 s: switch its"):
         emitter.mute(on=True)
     trigger.disarm(longest_s=0.1)
     assert time.perf_counter() - begin_s < 2.0

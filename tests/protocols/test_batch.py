@@ -207,7 +207,7 @@ def test_tracks_reject_arrays_of_wrong_shape(changed, sentence):
 @pytest.mark.parametrize(
     ("table", "sentence"),
     [
-        (([0.0, 0.0], [1.0, 2.0]), "LevelTable.levels: found .* not ascending"),
+        (([0.0, 0.0], [1.0, 2.0]), "LevelTable.levels: found .* not in ascending order"),
         (([0.0, 1.0], [1.0, math.nan]), "LevelTable.felt"),
         (([0.0, 1.0], [1.0, 2.0, 3.0]), r"LevelTable.felt: found the shape \(3,\)"),
     ],

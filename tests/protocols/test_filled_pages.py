@@ -91,7 +91,9 @@ def test_replay_continues_when_last_page_was_removed():
 
 def test_replay_diverges_on_other_request_despite_pages():
     entries = [(request, Done(1.0)) for request in (Show("a"), Wait(1.0), Show("b"), Wait(3.0))]
-    with pytest.raises(Diverged, match=r"line 4: Wait.duration_s: the recording has 3.0, the protocol requests 2.0"):
+    with pytest.raises(
+        Diverged, match=r"line 4: Wait.duration_s: the recording has 3.0, but the protocol requests 2.0"
+    ):
         replay(course_of(Wait(1.0), Wait(2.0)), Replay(entries))
 
 

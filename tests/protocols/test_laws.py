@@ -202,5 +202,5 @@ def test_replay_rejects_truncated_recording(protocol):
 @per_protocol
 def test_replay_rejects_recording_with_extra_entries(protocol):
     memory = recorded(protocol)
-    with pytest.raises(Diverged, match=r"line \d+: the recording goes on with"):
+    with pytest.raises(Diverged, match=r"line \d+: the recording continues with"):
         replay(protocol(np.random.default_rng(1)), Replay([*memory.entries, memory.entries[-1]]))

@@ -241,7 +241,7 @@ def summing_to(total):
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: QuestPlus((0.0, 1.0), summing_to(0.9)), "at level 0 that add up to 0.9, expected 1 over all outcomes"),
+        (lambda: QuestPlus((0.0, 1.0), summing_to(0.9)), "that add up to 0.9, expected a sum of 1 over all outcomes"),
         (lambda: FunctionModel({}, 2, similarity), "FunctionModel.parameters: found none"),
         (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found none"),
         (lambda: FunctionModel({"a": (1.0,)}, 1, similarity),

@@ -88,7 +88,7 @@ def test_each_track_ends_after_its_own_trials():
     assert pool.procedure("a").finished
     assert not pool.finished
     with pytest.raises(
-        InvalidParameter, match="SharedQuestPlus track 'a', QuestPlus.after: the procedure has finished"
+        InvalidParameter, match="SharedQuestPlus track 'a', QuestPlus.after: found a response after the end"
     ):
         pool.after("a", 1)
     assert pool.after("b", 1).after("b", 0).finished

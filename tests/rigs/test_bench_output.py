@@ -74,8 +74,8 @@ ONE_VOLT = Signal(np.ones((2, 10)), RATE_HZ, "V")
         (NullOutput(), None, LimitExceeded, "output 'null': found no limits, .*nothing was played"),
         (NullOutput(), Limits(0.9), LimitExceeded, "nothing was played"),
         (NullOutput(n_channels=1), Limits(2.0), DeviceFailed, "with n_channels 2, expected 1; .*nothing was"),
-        (NullOutput(rate_hz=500.0), Limits(2.0), DeviceFailed, "with rate_hz 1000, expected 500; state that rate_hz"),
-        (NullOutput(n_channels=3), Limits(2.0), DeviceFailed, "with n_channels 2, expected 3; name one outlet"),
+        (NullOutput(rate_hz=500.0), Limits(2.0), DeviceFailed, "with rate_hz 1000, expected 500; state this rate_hz"),
+        (NullOutput(n_channels=3), Limits(2.0), DeviceFailed, "with n_channels 2, expected 3; name one output channel"),
         (NullOutput(rate_hz=2000.0), Limits(2.0), DeviceFailed, "with rate_hz 1000, expected 2000; .*nothing was"),
     ],
 )

@@ -82,8 +82,8 @@ def test_untranslated_label_is_unchanged():
         ("welcom", {}, {}, r"message 'welcom': found no text of this name, .*did you mean 'welcome'\?"),
         ("block", {}, {"part": 1}, r"message 'block': .*\('n_parts'\), expected the names part in braces"),
         ("mine", {"mine": "{0}"}, {}, r"message 'mine': .*expected the names \(none\) in braces"),
-        ("mine", {"mine": "{"}, {}, "message 'mine': found a place that cannot be filled"),
-        ("mine", {"mine": "{a.b}"}, {"a": 1}, "message 'mine': found a place that cannot be filled"),
+        ("mine", {"mine": "{"}, {}, "message 'mine': found a placeholder that cannot be filled"),
+        ("mine", {"mine": "{a.b}"}, {"a": 1}, "message 'mine': found a placeholder that cannot be filled"),
     ],
 )
 def test_invalid_messages_are_rejected(name, texts, values, message):

@@ -220,9 +220,9 @@ class Supplying:
     [
         (
             True,
-            r"board: the board (accepts no more data \(Broken pipe\); the output|had not read all of a stream)",
+            r"board: the board (accepts no more data \(Broken pipe\); the output|had not read a whole stream)",
         ),
-        (False, "so that the stream was not played"),
+        (False, "so that it was not played"),
     ],
     ids=["a supply that is refused", "a supply that does not come"],
 )

@@ -104,7 +104,7 @@ def test_session_stops_after_twenty_invalid_lines():
     rig, _ = console("x\n" * (N_TRIES - 1) + "1\n")
     assert rig.answer(FELT).option == 1
     rig, _ = console("x\n" * N_TRIES + "1\n")
-    with pytest.raises(Stopped, match="20 lines were no answers; recorded data are safe: continue with"):
+    with pytest.raises(Stopped, match="20 invalid answers in a row; recorded data are safe: continue with"):
         rig.answer(FELT)
 
 

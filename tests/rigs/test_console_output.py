@@ -98,7 +98,7 @@ def test_guard_enforces_duty_limit_after_resume(tmp_path, capsys, monkeypatch):
         words = ("--bench", tmp_path / "bench.toml", *more)
         status, said, _ = run(capsys, monkeypatch, tmp_path, *words, duty=0.0055)
         assert status == 3
-        assert "limits.duty: found signals in a part of 0.00666667 of the time" in said
+        assert "limits.duty: found signals during 0.00666667 of the time" in said
         assert len(list((tmp_path / "played").glob("*.npz"))) == 3
 
 
@@ -183,7 +183,7 @@ def test_play_request_lasts_its_duration(tmp_path):
 
 def test_console_refuses_adjustment_with_output(tmp_path):
     rig = console(tmp_path, text="5\n")
-    with pytest.raises(Exception, match="console: found an adjustment, whose level plays while it is set"):
+    with pytest.raises(Exception, match="console: found an adjustment task, which plays its level continuously"):
         rig.answer(Adjust("tone", 5.0, 1.0, 0.0, 10.0))
     rig.close()
 

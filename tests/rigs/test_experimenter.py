@@ -113,19 +113,19 @@ def test_orders_are_returned_with_next_record(bench_with, terminal, kept):
     assert bench.answer(ROW).interventions == ()
     terminal.types("i")
     terminal.types("k\nb\nend\ne")
-    waits_until(bench, lambda: terminal.sees("already noted"))
+    waits_until(bench, lambda: terminal.sees("already noted; it"))
     wanted = bench.answer(Record(replace(ROW.trial, trial=8))).interventions
     assert wanted == (Intervention("invalidate", (2, 7, 1)), *map(Intervention, ("skip", "rest", "end")))
     orders = [event for event in kept.events if event.kind == "order"]
     assert tuple(map(intervention_of, orders)) == wanted
     assert bench.answer(Record(replace(ROW.trial, trial=9))).interventions == ()
-    terminal.shows("trial 7: noted: takes effect after this trial or page")
+    terminal.shows("trial 7: noted; it takes effect after this trial or page")
 
 
 def test_orders_are_returned_with_a_page(bench_with, terminal, participant, watched):
     bench = bench_with()
     terminal.types("skip")
-    waits_until(bench, lambda: terminal.sees("noted: takes effect"))
+    waits_until(bench, lambda: terminal.sees("noted; it takes effect"))
     watched.shown.queue.clear()
     participant.answers("space")
     assert bench.answer(Show("rest")).interventions == (Intervention("skip"),)
@@ -134,7 +134,7 @@ def test_orders_are_returned_with_a_page(bench_with, terminal, participant, watc
 def test_trial_can_be_invalidated_only_once(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("i")
-    waits_until(bench, lambda: terminal.sees("there is no recorded trial to invalidate"))
+    waits_until(bench, lambda: terminal.sees("no trial has been recorded yet, so none can be invalidated"))
     [wanted] = [bench.answer(ROW), terminal.types("i"), bench.answer(Wait(0.3)), bench.answer(ROW)][-1].interventions
     assert bench.answer(Intervene(wanted, "trial 7 does not count: it is asked again", (ROW.trial.key,))).at_s > 0
     terminal.shows("trial 7 does not count: it is asked again")
@@ -179,7 +179,7 @@ def test_repeat_order_invalidates_every_answer_type(bench_with, terminal, partic
 def test_repeat_order_is_refused_between_trials(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("r")
-    waits_until(bench, lambda: terminal.sees("there is no current trial to repeat"))
+    waits_until(bench, lambda: terminal.sees("no trial is running, so none can be repeated"))
     assert bench.answer(PRESS).valid
     assert kept.told == [("stimulus", None)]
 

@@ -91,7 +91,7 @@ REFUSED = {
     "no position": ({"position": ""}, {}, 2, NO_SENSOR),
     "a file": (
         {"position": POSITION}, {'kind = "audio"': 'kind = "file"\nfolder = "played"'}, 3,
-        "found a texture, whose signal follows the finger, expected one that is known when it begins; play it through",
+        "found a texture, whose signal follows the finger, expected a signal known at its onset; use",
     ),
     "no scale": (
         {}, {f"metres_per_count = {METRES_PER_COUNT}": "metres_per_count = 1e300"}, 2,
@@ -103,7 +103,7 @@ REFUSED = {
     ),
     "no such channel": (
         {}, {"channels = [0]": "channels = [99]"}, 2,
-        "position.channels: found 99, expected from 0 to 5, a channel of udp 127.0.0.1:9",
+        "position.channels: found 99, expected a channel of udp 127.0.0.1:9, from 0 to 5",
     ),
     "a place of long ago": (
         {"more": "position_latency_s = 2.5"}, {}, 2,
@@ -114,7 +114,7 @@ REFUSED = {
     ),
     "a block of nothing": (
         {"more": "block_s = 1e-9"}, {}, 2,
-        "bench.toml, output.block_s: found 4.8e-05 samples, expected at least one at rate_hz",
+        "bench.toml, output.block_s: found 4.8e-05 samples, expected at least one sample at rate_hz",
     ),
     "too slow": (
         {"position": POSITION}, {"rate_hz = 1000\n": "rate_hz = 40\n"}, 2,
@@ -162,7 +162,7 @@ def test_session_keeps_data_when_sound_server_dies(needed, tmp_path):
         own.close()
     assert status == 3, errors
     [said] = [line for line in errors.splitlines() if line.startswith("tactometry: ")]
-    assert "output 'audio pulse': found it closed or stopped, expected it open; nothing was played" in said
+    assert "output 'audio pulse': found a closed or stopped device, expected an open device; nothing was played" in said
     assert "Traceback" not in errors
     assert len(trial_rows(data)) >= 1
     assert validate(data).defects == ()

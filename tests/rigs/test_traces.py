@@ -169,7 +169,7 @@ def test_validate_names_changed_trace_files(copied):
     kept = force.read_bytes()
     force.write_bytes(kept[:50] + bytes([kept[50] ^ 1]) + kept[51:])
     (defect,) = validate(copied).defects
-    assert str(defect).startswith(f"traces/{force.name}: found other samples than were kept from byte 0 on")
+    assert str(defect).startswith(f"traces/{force.name}: found other samples than were stored from byte 0 on")
     force.write_bytes(kept[:-1])
     (defect,) = validate(copied).defects
     assert "found its end within the next" in str(defect)
@@ -199,7 +199,7 @@ def test_validate_rejects_trace_path_outside_traces_folder(copied, capsys):
     path.write_bytes(b"".join(forged))
     status, _, said = call(capsys, "validate", copied)
     assert status == 1
-    assert "found a trace in 'traces/../study.toml', expected a place in a file of the folder traces" in said
+    assert "found a trace in 'traces/../study.toml', expected a part of a file in the folder traces" in said
 
 
 def named(root):
@@ -281,7 +281,7 @@ def test_full_disk_loses_no_trial(tmp_path, capsys, monkeypatch):
         said = [line for line in done.stderr.splitlines() if line.startswith(("tactometry: ", "status "))]
         assert said[-1] == "status 3", done.stderr
         (sentence,) = said[:-1]
-        assert "No space left on device), expected room on the disk; all trials before are safe: make room" in sentence
+        assert "No space left on device), expected free disk space; all earlier trials are safe; free" in sentence
         assert "Traceback" not in done.stderr
         n_before = len(trial_rows(tmp_path / "kept"))
         assert validate(tmp_path / "kept").defects == ()

@@ -38,7 +38,7 @@ COMMAND_LINES = {
     "name for a code": (
         ["run", "tutorial", "--participant", "Anna K.", "--rig", "simulated", "--out", "d"],
         2,
-        "participant: found 'Anna K.', expected a code of 1 to 32 letters and digits .*: no names, no paths",
+        "participant: found 'Anna K.', expected a code of 1 to 32 letters and digits .*, but not a name or a path",
     ),
     "path for a code": (
         ["run", "tutorial", "--participant", "../../etc", "--rig", "simulated", "--out", "d"],
@@ -100,5 +100,8 @@ def test_a_file_is_not_overwritten(tmp_path, capsys):
     mine = tmp_path / "mine.toml"
     mine.write_text("precious")
     status, said, _ = call(capsys, "new", "tutorial", "--out", mine)
-    assert (status, said) == (2, f"tactometry: {mine}: found a file, expected none to overwrite; give another --out")
+    assert (status, said) == (
+        2,
+        f"tactometry: {mine}: found an existing file, expected a new file; choose another --out",
+    )
     assert mine.read_text() == "precious"

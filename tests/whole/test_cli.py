@@ -145,7 +145,7 @@ def test_endless_nonsense_stops_a_console_session(tmp_path, capsys, monkeypatch)
     code, said, out = call(capsys, *words)
     assert code == 1
     assert out.count("expected 0 or 1, found 'perhaps'") == 20
-    assert "20 lines were no answers" in said
+    assert "20 invalid answers in a row" in said
 
 
 @pytest.fixture

@@ -45,7 +45,7 @@ def test_power_needs_no_seed(capsys) -> None:
 
 def test_resume_of_drawn_seed_names_the_option(tmp_path, capsys) -> None:
     said = refused(capsys, *PEOPLE, "--out", tmp_path / "d", "--resume")
-    assert "--seed: found none, expected the seed of the interrupted run, which it printed" in said
+    assert "--seed: found none, expected the seed that the interrupted run printed" in said
 
 
 def test_resume_reports_when_there_is_nothing_to_resume(tmp_path, capsys) -> None:

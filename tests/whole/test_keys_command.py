@@ -32,7 +32,7 @@ def test_keys_prints_the_same_as_json(capsys):
         "unit": "N",
         "within": "above 0",
         "otherwise": "",
-        "means": "The force that is asked for.",
+        "means": "Force that the participant is asked to apply.",
         "example": "1.0",
         "see": "",
         "required": True,
@@ -75,7 +75,8 @@ def test_an_unknown_name_is_refused_with_the_nearest(name, near, capsys):
 def test_new_lists_the_built_in_studies(capsys):
     assert output(capsys, "new", "--list") == output(capsys, "studies")
     assert (
-        refused(capsys, "new") == "tactometry: STUDY: found none, expected the name of a study: tactometry new --list"
+        refused(capsys, "new")
+        == "tactometry: STUDY: found none, expected the name of a study; list them with tactometry new --list"
     )
 
 

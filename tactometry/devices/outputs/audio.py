@@ -1,4 +1,4 @@
-"""A sound card as an output, through PortAudio (extra: audio)."""
+"""Sound card as an output, through PortAudio (extra: audio)."""
 
 import contextlib
 import functools
@@ -23,39 +23,39 @@ from .gain import Gain, SignalChain, required_gain
 from .output import LONGEST_WORD_S, AmplifiedDriver
 
 FADE_S = 1e-3
-"""Fade of a stop to zero, for any block size (unverified default)."""
+"""Duration of the fade to zero at a stop, for any block size (unverified default)."""
 LONGEST_START_S = 2.0
 LONGEST_S: Final = {"block_s": 1.0, "latency_s": 10.0, "position_latency_s": 1.0}
-"""Longest stated times; with longer ones, stops and textures would be too late (unverified default)."""
+"""Largest accepted settings. Longer times would delay stops and textures too much (unverified default)."""
 POSITION_AGE_S: Final = 0.005
 """Age of the last finger position when it is used: sensor interval, transfer and thread switches (unverified
 default)."""
 WORD_S = 1e-3
 SHARED: Final = ("pulse", "pipewire", "jack", "dmix")
 SHARED_INTERFACES: Final = ("MME", "Windows DirectSound", "Windows WASAPI", "Core Audio", "JACK", "PulseAudio")
-"""PortAudio devices and interfaces that mix in sound from other programs."""
+"""PortAudio devices and interfaces that mix in the sound of other programs."""
 SERVERS: Final = ("pulse", "pipewire")
-"""Devices of PortAudio on Linux that lead to a sound server, by the server's default sink."""
+"""PortAudio devices on Linux that lead to the default sink of a sound server."""
 ASKED_WITHIN_S: Final = 2.0
 
 
 @dataclass(frozen=True)
 @constrained
 class AudioSettings:
-    """Settings of a sound card, by name.
+    """Settings of a sound card, which is identified by name.
 
-    `block_s` and `latency_s` trade a quick stop against gaps in the sound. Both are unverified defaults. Without
-    `position_latency_s` it is the longest lead that the device took of late, a block, and `POSITION_AGE_S`.
+    Shorter `block_s` and `latency_s` stop sooner, longer ones avoid gaps in the sound. Both are unverified defaults.
+    The default of `position_latency_s` is the longest recent lead of the device plus a block and `POSITION_AGE_S`.
 
     - `rate_hz`: Sampling rate of the card, and therefore of the stimulus.
-    - `device`: The card, as the system calls it.
-    - `channels`: Outputs of the card, from 0, in the order of the signal's channels.
+    - `device`: System name of the card.
+    - `channels`: Output channels of the card, from 0, in the order of the signal's channels.
     - `sample_format`: Format of the samples sent to the card.
-    - `block_s`: Duration written at once: a stop takes at most a block and the latency.
-    - `latency_s`: Duration buffered ahead.
-    - `shared`: Allow a device that other programs play to as well.
-    - `position_latency_s`: Time from a finger position to the voltage of a texture there; by default from the recent
-      lead of the device.
+    - `block_s`: Duration of a block. A stop takes at most a block and the latency.
+    - `latency_s`: Duration of the buffer.
+    - `shared`: Allow a device to which other programs play, too.
+    - `position_latency_s`: Time from a finger position to the texture's voltage at this position. The default is
+      computed from the recent lead of the device.
     """
 
     connected: ClassVar[bool] = True
@@ -73,9 +73,9 @@ class AudioSettings:
         for name, longest_s in LONGEST_S.items():
             at_most(f"AudioSettings.{name}", getattr(self, name) or 0.0, longest_s)
         frames = self.block_s * self.rate_hz
-        expect(frames >= 1, "AudioSettings.block_s", f"{frames:.3g} samples", "at least one at rate_hz")
+        expect(frames >= 1, "AudioSettings.block_s", f"{frames:.3g} samples", "at least one sample at rate_hz")
         once = len(set(self.channels)) == len(self.channels) > 0 and min(self.channels) >= 0
-        outlets = "at least one outlet, each from 0 and named once"
+        outlets = "at least one channel, from 0, each once"
         expect(once, "AudioSettings.channels", list(self.channels), outlets)
 
     def driver(self, gain: Gain | None) -> "AudioOutput":
@@ -86,7 +86,7 @@ class AudioSettings:
 
 
 class AudioOutput(AmplifiedDriver):
-    """An output stream that plays zeros, or the frames of one signal."""
+    """Output stream that plays zeros, or the frames of one signal."""
 
     follows = True
 
@@ -117,7 +117,7 @@ class AudioOutput(AmplifiedDriver):
 
     @property
     def stop_delay_s(self) -> float:
-        """Buffered audio, a block and the fade, by recent reports of the card."""
+        """Sum of buffered audio, a block and the fade, from recent reports of the card."""
         latency_s = 0.0 if self._stream is None else self._stream.latency
         buffered_s = max(self._settings.latency_s, latency_s, *list(self._dry.leads_s))
         return buffered_s + self._settings.block_s + self.fall_s
@@ -127,10 +127,10 @@ class AudioOutput(AmplifiedDriver):
         return FADE_S
 
     def open(self) -> None:
-        """Claim the card and play zeros.
+        """Open the card and play zeros.
 
-        Raises `DeviceFailed` if PortAudio or the device is missing, the format is refused, or other programs share the
-        card and `shared` is not set.
+        Raises `DeviceFailed` if PortAudio or the device is missing, if the format is refused, or if other programs
+        share the card and `shared` is not set.
         """
         sounddevice, settings = library(), self._settings
         if not settings.shared:
@@ -160,7 +160,7 @@ class AudioOutput(AmplifiedDriver):
         return self._gain.to_volts(self._numbers(signal).astype(np.float64) / full_scale, signal.rate_hz)
 
     def _round_to_zero(self, signal: Signal) -> NDArray[np.generic]:
-        """Round towards zero, so that rounding passes no limit."""
+        """Round towards zero, so that rounding never exceeds a limit."""
         units = self._gain.to_units(signal)
         kind = np.dtype(self._settings.sample_format)
         if kind.kind == "i":
@@ -170,10 +170,10 @@ class AudioOutput(AmplifiedDriver):
         return np.where(np.abs(numbers) > np.abs(units), np.nextafter(numbers, kind.type(0)), numbers)
 
     def play(self, signal: Signal) -> float:
-        """Begin to emit, and return the onset that the card reports."""
+        """Begin to play and return the onset that the card reports."""
         if self._stream is None or not self._stream.active:
             raise DeviceFailed(
-                f"output {self.name!r}: found it closed or stopped, expected it open; nothing was played"
+                f"output {self.name!r}: found a closed or stopped device, expected an open device; nothing was played"
             )
         n_fade = max(1, round(FADE_S * self.rate_hz))
         numbers, channels = self._numbers(signal), self._settings.channels
@@ -194,9 +194,9 @@ class AudioOutput(AmplifiedDriver):
         return feed.onset_s
 
     def _position_latency_s(self) -> float:
-        """Return the time from a finger position to the voltage that answers it.
+        """Return the time from a finger position to the resulting voltage.
 
-        The longest recent lead covers bursts of a sound server.
+        It contains the longest recent lead, because a sound server requests blocks in bursts.
         """
         stated_s, longest_lead_s = self._settings.position_latency_s, max(list(self._dry.leads_s), default=0.0)
         return longest_lead_s + self._settings.block_s + POSITION_AGE_S if stated_s is None else stated_s
@@ -212,7 +212,7 @@ class AudioOutput(AmplifiedDriver):
         return PlayedPath(volts, feed.latency_s, feed.late, feed.unknown)
 
     def _silent(self) -> DeviceFailed:
-        return DeviceFailed(f"output {self.name!r}: the device asked for no samples in {LONGEST_START_S:g} s")
+        return DeviceFailed(f"output {self.name!r}: the device requested no samples in {LONGEST_START_S:g} s")
 
     def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
         now_s = time.perf_counter()
@@ -229,7 +229,7 @@ class AudioOutput(AmplifiedDriver):
         if feed is None or feed.finished:
             return
         if not feed.begun.is_set():
-            feed.n_gaps += self._dry.is_dry  # its first frames are lost in the gap before it
+            feed.n_gaps += self._dry.is_dry  # the first frames are lost in the gap before them
             feed.begin(now_s, lead_s)
         # a device with unknown lead plays up to `latency_s` after its first block
         feed.give_up_if_late(self.rate_hz, FADE_S + (0.0 if self._dry.has_lead else self._settings.latency_s))
@@ -273,8 +273,8 @@ def _check_own(sounddevice: Any, device: str) -> None:
         return
     if card["name"] in SHARED or interface.startswith(SHARED_INTERFACES):
         raise DeviceFailed(
-            f"output audio: found {card['name']!r} ({interface}), where other programs may play too and change the "
-            "volume, expected a card of its own, or shared = true in [output]; nothing was played"
+            f"output audio: found {card['name']!r} ({interface}), which other programs may use and whose volume "
+            "they may change, expected a separate card, or shared = true in [output]; nothing was played"
         )
 
 
@@ -286,7 +286,7 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
         )
     except sounddevice.PortAudioError:
         known = ""
-    devices = f"the devices are {known}" if known else "there is no output device"
+    devices = f"the devices are {known}" if known else "the system has no output device"
     return (
         f"output audio: cannot open {settings.device} with {wanted} "
         f"({' '.join(str(error).split())}); {devices}; nothing was played"
@@ -296,20 +296,20 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
 def system_volume(device: str) -> float | None:
     """Return the volume of a device's sink (1 for 100 %), or None.
 
-    Only PulseAudio and PipeWire are read; of several channels the loudest counts.
+    Only PulseAudio and PipeWire are queried. The result is the volume of the loudest channel.
     """
     if device not in SERVERS:
         return None
     with contextlib.suppress(OSError, subprocess.SubprocessError, ValueError, KeyError, IndexError):
         default = _pactl("info")["default_sink_name"]
-        # none or several of the name: a ValueError, and the volume is not known
+        # no or several sinks of this name raise a ValueError, so the volume is unknown
         [sink] = [sink for sink in _pactl("list", "sinks") if sink["name"] == default]
         return _volume_of(sink)
     return None
 
 
 def _volume_of(sink: Any) -> float:
-    """Return the volume of a sink as ``pactl`` describes it.
+    """Parse the volume of a sink from the output of ``pactl``.
 
     >>> _volume_of({"mute": False, "volume": {"left": {"value": 65536}, "right": {"value": 32768}}})
     1.0

@@ -37,7 +37,7 @@ from ...signal import Signal
 MAGIC: Final = b"TACT1BIT"
 SIGNS: Final = 1
 SIGNS_AND_OFF: Final = 2
-"""Format versions, equal to the words per sample."""
+"""Format versions, equal to the number of words per sample."""
 _FIELDS: Final = struct.Struct("<8sHHIddQI")
 _CHECKSUM: Final = struct.Struct("<I")
 HEADER_BYTES: Final = _FIELDS.size + _CHECKSUM.size
@@ -46,7 +46,7 @@ _STREAM: Final = "packed stream"
 
 
 def word_bytes(n_channels: int) -> int:
-    """Return the bytes of a word with a bit for each channel.
+    """Return the number of bytes of a word with a bit for each channel.
 
     >>> word_bytes(32), word_bytes(33)
     (4, 5)
@@ -57,7 +57,7 @@ def word_bytes(n_channels: int) -> int:
 def encode(signal: Signal) -> bytes:
     """Encode a signal of +V, -V and 0 (off). No samples mean "stop".
 
-    Raises `InvalidParameter` if a sample is neither +V, -V nor 0 for one V, the peak, or all of them are 0.
+    V is the peak of the signal. Raises `InvalidParameter` if a sample is neither +V, -V nor 0, or if all samples are 0.
 
     >>> stream = encode(Signal(np.array([[30.0, -30.0], [30.0, 30.0]]), 1e6, "V"))
     >>> len(stream), stream[48:].hex(), decode(stream).samples.tolist()
@@ -68,8 +68,8 @@ def encode(signal: Signal) -> bytes:
     voltage_v, is_on = signal.peak, signal.samples != 0
     one_size = np.all(np.abs(signal.samples[is_on]) == voltage_v)
     some = signal.samples.size == 0 or voltage_v > 0
-    one_bit = "+V, -V and 0 (off) alone (one bit, in volt, no ramps; a bench makes foci and amplitude_modulated so)"
-    expect(signal.unit == "V" and one_size and some, _STREAM, "samples of more than one size, or of none", one_bit)
+    one_bit = "only +V, -V and 0 (off), in volt and without ramps, as foci and amplitude_modulated on a bench"
+    expect(signal.unit == "V" and one_size and some, _STREAM, "samples of several sizes, or only 0", one_bit)
     words = [signal.samples > 0] if is_on.all() else [signal.samples > 0, is_on]
     payload = np.concatenate([np.packbits(bits.T, axis=1, bitorder="little") for bits in words], axis=1).tobytes()
     n_channels, n_samples = signal.samples.shape
@@ -84,13 +84,13 @@ def encode(signal: Signal) -> bytes:
 def decode(stream: bytes) -> Signal:
     """Decode the signal of a stream, 0 where a channel is off.
 
-    Raises `InvalidParameter` if it is no stream, or is damaged.
+    Raises `InvalidParameter` if the stream has another format or is damaged.
     """
     n_words, n_channels, rate_hz, voltage_v, n_samples, checksum = _read_header(stream)
     payload = stream[HEADER_BYTES:]
     n_bytes = n_samples * n_words * word_bytes(n_channels)
     expect(len(payload) == n_bytes, _STREAM, f"{len(payload)} bytes after the header", f"{n_bytes}")
-    expect(zlib.crc32(payload) == checksum, _STREAM, "a payload whose checksum is wrong", "it undamaged")
+    expect(zlib.crc32(payload) == checksum, _STREAM, "a payload with a wrong checksum", "an undamaged stream")
     words = np.frombuffer(payload, np.uint8).reshape(n_samples, n_words, word_bytes(n_channels))
     bits: NDArray[np.uint8] = np.unpackbits(words, axis=2, count=n_channels, bitorder="little")
     signs = np.where(bits[:, 0].T == 1, voltage_v, -voltage_v)
@@ -98,7 +98,7 @@ def decode(stream: bytes) -> Signal:
 
 
 def stop_stream(n_channels: int, rate_hz: float) -> bytes:
-    """Return the stream of no samples, which switches outputs off."""
+    """Return the stream without samples, which switches outputs off."""
     return encode(Signal(np.zeros((n_channels, 0)), rate_hz, "V"))
 
 
@@ -112,7 +112,7 @@ def _read_header(stream: bytes) -> tuple[int, int, float, float, int, int]:
     fields = stream[: _FIELDS.size]
     _, version, n_header, n_channels, rate_hz, voltage_v, n_samples, checksum = _FIELDS.unpack(fields)
     sound = zlib.crc32(fields) == _CHECKSUM.unpack_from(stream, _FIELDS.size)[0]
-    expect(sound, _STREAM, "a header whose checksum is wrong", "it undamaged")
+    expect(sound, _STREAM, "a header with a wrong checksum", "an undamaged stream")
     known = version in (SIGNS, SIGNS_AND_OFF) and n_header == HEADER_BYTES
     versions = f"{SIGNS} or {SIGNS_AND_OFF}, and {HEADER_BYTES}"
     expect(known, _STREAM, f"version {version}, header of {n_header} bytes", versions)

@@ -1,6 +1,6 @@
 """Ledger of emissions of each output across sessions and processes.
 
-It is a SQLite database of the user's account, whose locks serve all processes. A row is written before its signal
+It is an SQLite database in the user's account, whose locks serve all processes. A row is written before its signal
 begins, so that it counts even if the process is killed.
 """
 
@@ -22,7 +22,7 @@ from ...safety.limits import LONGEST_WINDOW_S
 from ..clock_map import boot_clock_s, boot_id
 
 Emissions = tuple[tuple[float, float], ...]
-"""Time since the beginning of each signal, s, and its duration, s."""
+"""Time since the beginning of each signal, and its duration, s."""
 NAME: Final = "outputs.sqlite3"
 LONGEST_WAIT_S: Final = 1.0
 """Longest wait for another process that writes (unverified default)."""
@@ -34,14 +34,14 @@ _TABLE: Final = (
 
 def default_path() -> Path:
     """Return the path of the database in the account's state folder."""
-    import platformdirs  # only where an output is opened
+    import platformdirs  # imported only if an output is opened
 
     return platformdirs.user_state_path("tactometry", appauthor=False) / NAME
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A time on the clock since boot and on the wall clock.
+    """Time on the clock since boot and on the wall clock.
 
     >>> played = Moment("monday", boot_s=100.0, utc_s=1000.0)
     >>> played.ago_s(Moment("monday", boot_s=103.0, utc_s=5000.0))  # the wall clock was set ahead
@@ -63,8 +63,8 @@ class Moment:
     def ago_s(self, now: "Moment") -> float:
         """Return the time elapsed until `now`, s.
 
-        It is read from the clock since boot. After a restart, it is the difference of the wall clocks, but at least the
-        time since boot.
+        It is measured on the clock since boot. After a restart it is the difference of the wall clocks, but at least
+        the time since boot.
         """
         if self.boot_id == now.boot_id and self.boot_s <= now.boot_s:
             return now.boot_s - self.boot_s
@@ -72,7 +72,7 @@ class Moment:
 
 
 class Ledger:
-    """Ledger of one output, in the database at `path`, once it is open."""
+    """Ledger of one output, in the database at `path`."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._output, self._opened = path, "", ""
@@ -81,7 +81,7 @@ class Ledger:
         self._last: tuple[int, Moment, float] | None = None
 
     def open(self, output: str) -> None:
-        """Start to count an output, and delete rows older than the longest window."""
+        """Start counting for an output, and delete rows that no window includes."""
         make_folder(self._path.parent)
         self._output, self._opened, self._last = output, uuid.uuid4().hex, None
         with self._turn, self._connected() as database:
@@ -98,15 +98,15 @@ class Ledger:
     def add(self, duration_s: float, allow: Callable[[Emissions], None]) -> None:
         """Count a signal of `duration_s` that is about to begin.
 
-        `allow` gets what other openings or processes emitted; nothing is counted if it raises. Raises `DeviceFailed` if
-        the database cannot be written or is damaged.
+        `allow` receives the emissions counted by other ledgers and processes. If it raises an error, nothing is
+        counted. Raises `DeviceFailed` if the database cannot be written or is damaged.
         """
         with self._turn:
             with self._connected() as database:
                 now = Moment.now()
                 others = _rows(database, "output = ? AND opened != ?", self._output, self._opened)
                 allow(tuple((begin.ago_s(now), lasted_s) for _, begin, lasted_s in others))
-                self._shorten(database, now)  # the new signal replaces it
+                self._shorten(database, now)  # the new signal replaces the last one
                 row = (self._output, self._opened, now.boot_id, now.boot_s, now.utc_s, duration_s)
                 columns = "output, opened, boot_id, boot_s, utc_s, duration_s"
                 added = database.execute(f"INSERT INTO emissions ({columns}) VALUES (?, ?, ?, ?, ?, ?)", row)
@@ -116,8 +116,7 @@ class Ledger:
     def end(self, late_s: float) -> None:
         """Record that the last signal ends `late_s` from now.
 
-        `late_s` is the duration that the device still has in its buffer. If the database cannot be written, the whole
-        signal counts.
+        `late_s` is the duration of the device's buffer. If the database cannot be written, the whole signal counts.
         """
         with suppress(DeviceFailed), self._turn:
             if self._last is not None:
@@ -148,12 +147,12 @@ class Ledger:
                 yield self._database
                 self._database.execute("COMMIT")
             finally:
-                if self._database.in_transaction:  # a full disk has ended it already
+                if self._database.in_transaction:  # a full disk has already ended the transaction
                     self._database.execute("ROLLBACK")
         except sqlite3.Error as error:
             raise DeviceFailed(
-                f"{self._path}: cannot keep how long outputs played ({error}), expected a database that can be "
-                "written; make it writable, or wait for the longest duty_window_s and remove it; nothing was played"
+                f"{self._path}: cannot store the playing times of outputs ({error}), expected a writable "
+                "database; make it writable, or delete it after the longest duty_window_s; nothing was played"
             ) from None
 
     def _connect(self) -> sqlite3.Connection:

@@ -1,4 +1,4 @@
-"""File output that writes each signal exactly as it would be played."""
+"""File output, which writes each signal exactly as it would be played."""
 
 import time
 from dataclasses import dataclass
@@ -17,15 +17,15 @@ from .output import UnconnectedDriver
 
 @dataclass(frozen=True)
 class FileSettings:
-    """File output: one numbered file per signal, instead of a device.
+    """Output to one numbered file per signal instead of a device.
 
     Files are 0001.npz and so on, with ``samples`` in V, ``rate_hz``, ``unit`` and ``digest``, or 0001.wav. A WAV file
-    contains the same samples as 64-bit numbers in volt; its rate must be a whole number.
+    contains the same samples as 64-bit numbers in volt, and its rate must be a whole number.
 
     - `folder`: Folder of the files, one for each signal.
-    - `format`: Arrays, or sound files of 64-bit numbers in volt.
-    - `n_channels`: Channels of each signal; by default any.
-    - `rate_hz`: Rate of each signal; by default any.
+    - `format`: NumPy archives, or sound files of 64-bit numbers in volt.
+    - `n_channels`: Number of channels of each signal. The default accepts any number.
+    - `rate_hz`: Sampling rate of each signal. The default accepts any rate.
     """
 
     connected: ClassVar[bool] = False
@@ -43,7 +43,7 @@ class FileSettings:
 
 
 class FileOutput(UnconnectedDriver):
-    """Writes each signal to a new file."""
+    """Output that writes each signal to a new file."""
 
     def __init__(self, settings: FileSettings) -> None:
         self.name = f"file {settings.folder}"
@@ -59,14 +59,14 @@ class FileOutput(UnconnectedDriver):
         return {"n_files": self._n_written}
 
     def open(self) -> None:
-        with attempt(self._folder, "cannot write", "a folder that may be written; nothing was played"):
+        with attempt(self._folder, "cannot write", "a writable folder; nothing was played"):
             self._folder.mkdir(parents=True, exist_ok=True)
         self._n_written = sum(1 for _ in self._folder.glob(f"[0-9]*.{self._format}"))
 
     def final(self, signal: Signal) -> Signal:
         if self._format == "wav" and signal.rate_hz != round(signal.rate_hz):
             raise DeviceFailed(
-                f"{self.name}: found a rate of {signal.rate_hz} Hz, expected a whole number for WAV; write npz instead"
+                f"{self.name}: found a rate of {signal.rate_hz} Hz, expected a whole number for WAV; use npz instead"
             )
         return signal
 
@@ -86,11 +86,11 @@ class FileOutput(UnconnectedDriver):
 
 
 def read_signal(path: Path) -> Signal:
-    """Read a file that a file output wrote.
+    """Read a file written by a file output.
 
-    Raises `InvalidFile` if it is missing, `InvalidParameter` if it is no NPZ or WAV of samples.
+    Raises `InvalidFile` if the file is missing, `InvalidParameter` if it is not an NPZ or WAV file with samples.
     """
-    content = read_file(path, "a signal as NPZ or WAV")
+    content = read_file(path, "an NPZ or WAV file")
     try:
         if path.suffix == ".npz":
             file = Npz(content)
@@ -98,4 +98,4 @@ def read_signal(path: Path) -> Signal:
         rate_hz, frames = wav_of(content)
         return Signal(frames.T, rate_hz, "V")
     except (ValueError, TypeError) as error:
-        raise InvalidParameter(f"{path}: cannot be read as a signal ({error}), expected NPZ or WAV") from None
+        raise InvalidParameter(f"{path}: cannot be read as a signal ({error}), expected an NPZ or WAV file") from None

@@ -15,15 +15,15 @@ from ...signal import FloatArray
 from ..clock_map import boot_clock_s
 
 SCANT_S: Final = 0.01
-"""A device with a smaller buffer at a request has run dry (unverified default: a suspended sound server had 0 to 3 ms
-after each gap, and 24 ms or more without gaps)."""
+"""A device with less buffered audio at a request has run dry (unverified default: a suspended sound server had 0 to
+3 ms after each gap, and 24 ms or more without gaps)."""
 
 SCANT_PART: Final = 0.6
-"""A device that requests samples with less than this part of its usual buffer was held up (measured: in nine touches
-with unreported gaps, at a load of 10 to 15 on two cores, 10 to 54 % of the latency was left; with priority for program
-and server it was at least 87 % in 103 of 105 touches)."""
+"""A device that requests samples with less than this fraction of its usual buffer was blocked. Measured at a load of
+10 to 15 on two cores: in nine touches with unreported gaps, 10 to 54 % of the latency was left. With real-time
+priority for program and server, at least 87 % was left in 103 of 105 touches."""
 N_LEADS: Final = 400
-"""Number of blocks whose lead is remembered: two seconds with the default `block_s`."""
+"""Number of blocks whose lead is stored: two seconds with the default `block_s`."""
 
 BURST_S: Final = 0.05
 """Longest interval between requests of a device that refills its buffer (unverified default)."""
@@ -32,13 +32,13 @@ EARLY_S: Final = 0.03
 server's sink is 20 ms, and its report is inexact)."""
 
 LONGEST_HOLD_UP_S: Final = 0.1
-"""A device that requests the first frames later than this after they were ready was held up (unverified default)."""
+"""A device that requests the first frames later than this after they were ready was blocked (unverified default)."""
 
 
 class FrameFeed:
-    """Frames of one signal in order, until the last or a `stop`.
+    """Frames of one signal in order, until the last frame or a `stop`.
 
-    The device's thread calls `take`, the playing thread everything else. A stop fades over `n_fade` frames.
+    The device's thread calls `take`, the playing thread all other methods. A stop fades over `n_fade` frames.
     """
 
     def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
@@ -60,7 +60,7 @@ class FrameFeed:
         return self.begun.is_set() and dry_s - EARLY_S < self.onset_s + len(self._frames) / rate_hz
 
     def is_late(self, now_s: float, rate_hz: float) -> bool:
-        """Return True if the device has not taken all frames in time."""
+        """Return True if the device has not requested all frames in time."""
         ends_s = self.onset_s + len(self._frames) / rate_hz
         return self.begun.is_set() and not self._stopping and not self.finished and now_s > ends_s
 
@@ -74,8 +74,8 @@ class FrameFeed:
     def give_up_if_late(self, rate_hz: float, allowed_s: float) -> None:
         """End without a fade if the next frame is more than `allowed_s` late.
 
-        The process was held up (SIGSTOP, suspend, debugger) and the device has fallen to zero. Frames that went on
-        would be felt long after their touch.
+        The process was blocked (SIGSTOP, suspend, debugger) and the device has fallen to zero. Further frames would
+        be felt long after the touch.
         """
         late_s = boot_clock_s() - (self._zero_s + self._at / rate_hz)
         if not self.finished and late_s > allowed_s:
@@ -83,7 +83,7 @@ class FrameFeed:
 
     def _give_up(self) -> None:
         self._at = len(self._frames)
-        self.n_gaps = max(self.n_gaps, 1)  # the device may have reported the same hold-up
+        self.n_gaps = max(self.n_gaps, 1)  # the device may have reported the same delay
         self.ended.set()
 
     def stop(self) -> None:
@@ -111,7 +111,7 @@ class FrameFeed:
             envelope = 1 - (self._n_faded + np.arange(len(piece))) / self._n_fade
             self._n_faded += len(piece)
             falling: NDArray[Any] = piece * envelope[:, None]
-            piece = falling.astype(piece.dtype)  # whole numbers are cut towards zero
+            piece = falling.astype(piece.dtype)  # integer samples are truncated towards zero
             if self._n_faded >= self._n_fade:
                 self._at = len(self._frames)
         emitted = self._emitted(piece, begin)
@@ -125,10 +125,7 @@ class FrameFeed:
 
 
 class FollowingFeed(FrameFeed):
-    """Frames weakened by the position of a finger `latency_s` before.
-
-    A position that is late is replaced by the last known one.
-    """
+    """Frames weakened by the last known finger position `latency_s` earlier."""
 
     def __init__(self, frames: NDArray[Any], n_fade: int, signal: FollowedSignal, latency_s: float) -> None:
         super().__init__(frames, n_fade)
@@ -149,12 +146,12 @@ class FollowingFeed(FrameFeed):
         self._n_unknown += int(np.count_nonzero(np.isnan(places_m)))
         parts, self._before = self._signal.stimulus.parts(places_m, self._before)
         parts = self._as_checked(parts)
-        emitted: NDArray[Any] = (piece * parts[:, None]).astype(piece.dtype)  # whole numbers are cut towards zero
+        emitted: NDArray[Any] = (piece * parts[:, None]).astype(piece.dtype)  # integers are truncated towards zero
         self._pieces.append(emitted)
         return emitted
 
     def _as_checked(self, parts: FloatArray) -> FloatArray:
-        """Limit parts to what the guard assumed: 0 to 1, no fast steps."""
+        """Limit the factors to what the guard assumed: 0 to 1, no fast steps."""
         parts = np.clip(np.nan_to_num(parts, nan=0.0), 0.0, 1.0)
         step = (1 + 1e-9) / (self._signal.stimulus.rise_s * self._signal.rate_hz)
         last = float(parts[0]) if self._part is None else self._part
@@ -170,20 +167,20 @@ class FollowingFeed(FrameFeed):
 
     @property
     def late(self) -> float:
-        """Share (0..1) of the frames whose position came late."""
+        """Fraction (0..1) of the frames whose position was late."""
         return self._n_late / max(1, sum(map(len, self._pieces)))
 
     @property
     def unknown(self) -> float:
-        """Share (0..1) of the frames without a known position."""
+        """Fraction (0..1) of the frames without a known position."""
         return self._n_unknown / max(1, sum(map(len, self._pieces)))
 
 
 def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bool:
     """Return True if a device may have skipped frames.
 
-    A held-up sound server may run dry before its reported buffer ends, without reporting it. The usual buffer is the
-    median of `leads_s`, or `latency_s` if that is less; all in s.
+    A blocked sound server may run dry before its reported buffer ends, without reporting it. The usual buffer is the
+    median of `leads_s`, but at most `latency_s`. All times are in s.
 
     >>> was_held_up(0.05, [0.1, 0.1, 0.11], latency_s=0.1), was_held_up(0.07, [0.1, 0.1, 0.11], latency_s=0.1)
     (True, False)
@@ -195,11 +192,11 @@ def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bo
 
 
 class DryRuns:
-    """Detects gaps of a stream from each block that the device requests.
+    """Detector of gaps in a stream, which examines each requested block.
 
-    The stream ran dry if the device says so, requests a block late, or has almost nothing buffered. It may have if it
-    `was_held_up`, which counts as well, because an undetected gap is worse than a repeated touch. The reported buffer
-    is trusted only if it once reached half of `latency_s`.
+    The stream ran dry if the device reports it, requests a block late, or has almost nothing buffered. A device that
+    `was_held_up` also counts as dry, because an undetected gap is worse than a repeated touch. The reported buffer is
+    trusted only after it reached half of `latency_s` once.
 
     >>> dry = DryRuns(latency_s=0.04)
     >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, underflow=False)
@@ -212,24 +209,25 @@ class DryRuns:
     def __init__(self, latency_s: float) -> None:
         self.n_gaps = 0
         self.dry_s = math.inf
-        """When the buffer of the device runs out, s on `time.perf_counter`; infinite if its report is not trusted."""
+        """Time at which the buffer of the device runs out, s on `time.perf_counter`. Infinite if the device's report
+        is not trusted."""
         self.is_dry = False
-        """True if it ran dry, or may have, before the last request."""
+        """True if the device ran dry, or may have, before the last request."""
         self.leads_s: deque[float] = deque(maxlen=N_LEADS)
         self._latency_s, self._had_lead = latency_s, False
         self._last_s = self._last_dry_s = -math.inf
         self._heard_s = -math.inf
-        """When the first block of the last burst is emitted, according to the device."""
+        """Time at which the first block of the last burst is emitted, as reported by the device."""
 
     @property
     def has_lead(self) -> bool:
-        """True once the device has reported half of `latency_s` in hand."""
+        """True once the device has reported at least half of `latency_s` as buffered."""
         return self._had_lead
 
     def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
-        """Add a block. Return when a gap before it may have begun, or None.
+        """Add a block and return when a gap before it may have begun, or None.
 
-        A device reports one gap with several blocks of a burst, and as late as its buffer lasts.
+        A device reports one gap with several blocks of a burst, and up to the duration of its buffer too late.
         """
         held_up = was_held_up(self.dry_s - now_s, self.leads_s, self._latency_s)
         is_dry = underflow or held_up or now_s > self.dry_s or (self._had_lead and lead_s < SCANT_S)

@@ -1,4 +1,4 @@
-"""The guard of every driver: it plays only what the limits allow."""
+"""Guard of every driver, which plays only signals within the limits."""
 
 import functools
 import math
@@ -16,14 +16,15 @@ from .emission_ledger import Emissions, Ledger
 from .output import LONGEST_WORD_S, Driver, check_format
 
 OnSignal = Callable[[float, float, float], None]
-"""Called as a signal begins: onset, s on `time.perf_counter`, duration, s, and largest charge through the leak, C."""
+"""Called at the beginning of a signal: onset, s on `time.perf_counter`, duration, s, and largest charge through the
+leak, C."""
 OnEnd = Callable[[float], None]
-"""Called once for each signal after it has ended: the charge that it passed through the leak, C."""
+"""Called once after the end of each signal: the charge that it passed through the leak, C."""
 
 
 @dataclass(frozen=True)
 class _Playing:
-    """The last signal, on the clock of the guard."""
+    """Last signal, with times on the clock of the guard."""
 
     onset_s: float
     duration_s: float
@@ -43,10 +44,10 @@ class _Playing:
 class Guarded:
     """Output that checks its driver's final samples and its playing time.
 
-    - `limits`: None: nothing is played.
-    - `load`: None only for a driver that is not connected.
-    - `clock`: Seconds.
-    - `ledger`: Earlier emissions of the output; None counts from its opening on.
+    - `limits`: Limits of the output. With None nothing is played.
+    - `load`: Connected load. None only for a driver that is not connected.
+    - `clock`: Function that returns the time, s.
+    - `ledger`: Earlier emissions of the output. With None, counting starts when the output is opened.
     """
 
     driver: Driver
@@ -82,14 +83,14 @@ class Guarded:
         self._on_signal, self._on_end = on_signal, on_end
 
     def open(self) -> None:
-        """Claim the device.
+        """Open the device and the ledger.
 
-        Raises `LimitExceeded` if a required limit is missing or a stop may take too long, `DeviceFailed` if the device
-        or the ledger does not open. The device is closed then.
+        Raises `LimitExceeded` if a required limit is missing or a stop may take too long, `DeviceFailed` if the
+        device or the ledger does not open. The device is closed then.
         """
         limits = self._require_limits()
         self.driver.open()
-        try:  # now that the device has said how much it buffers
+        try:  # checked now, because the open device has reported its buffer
             limits.check_stop(self.driver.stop_delay_s)
             if self.ledger is not None:
                 self.ledger.open(self.driver.identity)
@@ -100,9 +101,9 @@ class Guarded:
         self._counting = threading.Lock()
 
     def play(self, signal: Signal) -> float:
-        """Check all limits on the final samples, and play. Return the onset.
+        """Check all limits on the final samples, play, and return the onset.
 
-        Raises `LimitExceeded` or `DeviceFailed`; nothing was played then.
+        Raises `LimitExceeded` or `DeviceFailed` before anything is played.
         """
         limits, final = self.check(signal)
         charge = None if self.load is None else self.load.passed_c(final, _rise_s(signal))
@@ -114,7 +115,7 @@ class Guarded:
         self._end_playing(now_s)  # the new signal replaces it
         try:
             onset_s = self.driver.play(signal)
-        except (KeyboardInterrupt, SystemExit):  # it may have begun already
+        except (KeyboardInterrupt, SystemExit):  # the signal may already have begun
             self._begin(time.perf_counter(), limits, final.duration_s, charge, largest_c)
             raise
         self._begin(onset_s, limits, final.duration_s, charge, largest_c)
@@ -133,7 +134,7 @@ class Guarded:
             self._on_signal(onset_s, duration_s, largest_c)
 
     def _count(self, limits: Limits, now_s: float, duration_s: float, charge_c: float) -> None:
-        """Refuse a signal because of earlier emissions, or enter it in the ledger."""
+        """Check a signal against earlier emissions and enter it in the ledger."""
 
         def allow(emitted: Emissions) -> None:
             others_s = ((now_s - ago_s, now_s - ago_s + other_s) for ago_s, other_s in emitted)
@@ -145,7 +146,7 @@ class Guarded:
             self.ledger.add(duration_s, allow)
 
     def _end_playing(self, at_s: float) -> None:
-        """Count the charge up to `at_s`, or the largest one after gaps."""
+        """Count the charge until `at_s`, or after gaps the largest possible charge."""
         with self._counting:
             playing, self._playing = self._playing, None
             if playing is None:
@@ -158,7 +159,7 @@ class Guarded:
             self._on_end(passed_c)
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
-        """Return limits and final samples. Raises as `play` does."""
+        """Return limits and final samples. Raises the same errors as `play`."""
         limits = self._require_limits()
         return limits, self._final(signal, limits)
 
@@ -175,14 +176,14 @@ class Guarded:
         return final
 
     def played_path(self) -> PlayedPath | None:
-        """Return what the last signal became, if it followed a finger."""
+        """Return the path and signal played last, if it followed a finger."""
         return self.driver.played_path()
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
         return self.driver.n_gaps(longest_wait_s)
 
     def stop(self) -> None:
-        at_s = self.clock()  # before the driver, which may wait until the device is at zero
+        at_s = self.clock()  # reported before the driver stops, which may wait until the device is at zero
         self.driver.stop()
         if self.ledger is not None:
             self.ledger.end(self.driver.stop_delay_s)
@@ -200,15 +201,15 @@ class Guarded:
     def _require_limits(self) -> Limits:
         if self.limits is None:
             raise LimitExceeded(
-                f"output {self.name!r}: found no limits, expected those of what is connected; state them in the bench "
-                "or study file; nothing was played"
+                f"output {self.name!r}: found no limits, expected limits for the connected load; state them in the "
+                "bench or study file; nothing was played"
             )
         if self.load is not None:
             self.limits.check_stated(self.load)
         elif self.driver.connected:
             raise LimitExceeded(
-                f"output {self.name!r}: found no load, expected what is connected to it, by kind and capacitance_f; "
-                "state it in the bench file; nothing was played"
+                f"output {self.name!r}: found no load, expected kind and capacitance_f of the connected load; state "
+                "them in the bench file; nothing was played"
             )
         return self.limits
 

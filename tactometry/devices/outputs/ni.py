@@ -1,11 +1,12 @@
 """Analogue outputs of National Instruments devices (extra: ni).
 
-Written to the documented interface of `nidaqmx` and checked against its signatures. It was **not run on a device**.
+The driver was written for the documented interface of `nidaqmx` and checked against its signatures. It was **not run on
+a device**.
 
-Each signal is a finite generation from a buffer that ends at zero, so that the device falls silent without a command. A
-stop aborts the generation and writes zeros. If the process is killed during a signal, the driver aborts the task and
-the last value may remain at the output. Devices with an idle state are set to idle at 0 V (`idle_at_zero`); others need
-a hardware watchdog, or an amplifier that is switched off by hand.
+Each signal is a finite generation from a buffer that ends at zero, so that the output becomes zero without a
+command. A stop aborts the generation and writes zeros. If the process is killed during a signal, the driver aborts
+the task and the last value may remain at the output. Devices with an idle state are set to idle at 0 V
+(`idle_at_zero`). Other devices need a hardware watchdog, or an amplifier that is switched off by hand.
 """
 
 import time
@@ -27,15 +28,15 @@ from .output import AmplifiedDriver
 @dataclass(frozen=True)
 @constrained
 class NiSettings:
-    """Analogue outputs of a card of National Instruments.
+    """Analogue outputs of a National Instruments card.
 
     - `channels`: Physical names such as ``Dev1/ao0``, in the order of the signal's channels.
     - `rate_hz`: Sampling rate of the cards, and therefore of the stimulus.
     - `range_v`: Largest output voltage of the device, of either sign.
-    - `idle_at_zero`: Set devices with an idle state to idle at 0 V.
-    - `onboard_memory`: Play from the memory on the card alone.
-    - `reconstruction_filter`: False for a card that holds each value until the next: peaks between samples are then not
-      checked.
+    - `idle_at_zero`: Set the idle state of the device to 0 V, if it has one.
+    - `onboard_memory`: Play only from the memory of the card.
+    - `reconstruction_filter`: False for a card without a filter, which keeps each value until the next sample. Peaks
+      between samples are then not checked.
     """
 
     connected: ClassVar[bool] = True
@@ -48,7 +49,7 @@ class NiSettings:
 
     def __post_init__(self) -> None:
         once = len(set(self.channels)) == len(self.channels) > 0
-        expect(once, "NiSettings.channels", list(self.channels), "at least one, each named once")
+        expect(once, "NiSettings.channels", list(self.channels), "at least one channel, each once")
 
     def driver(self, gain: Gain | None) -> "NiOutput":
         return NiOutput(self, required_gain(gain, "output.gain"))
@@ -62,7 +63,7 @@ class NiSettings:
 def connector_v(settings: NiSettings, gain: Gain, signal: Signal) -> FloatArray:
     """Return connector voltages (n_channels, n_samples + 1) that end at 0.
 
-    Raises `DeviceFailed` if the device cannot reach them.
+    Raises `DeviceFailed` if the device cannot reach these voltages.
 
     >>> signal = Signal(np.array([[100.0, -200.0]]), 1e3, "V")
     >>> connector_v(NiSettings(("Dev1/ao0",), 1e3), Gain(10.0, 20.0), signal).tolist()
@@ -80,7 +81,7 @@ def connector_v(settings: NiSettings, gain: Gain, signal: Signal) -> FloatArray:
 
 
 class NiOutput(AmplifiedDriver):
-    """One finite, self-ending task per signal."""
+    """Output with one finite task per signal, which ends by itself."""
 
     def __init__(self, settings: NiSettings, gain: Gain) -> None:
         super().__init__(f"ni {','.join(settings.channels)}", len(settings.channels), settings.rate_hz, gain)
@@ -111,7 +112,7 @@ class NiOutput(AmplifiedDriver):
 
     def play(self, signal: Signal) -> float:
         if not self._is_open:
-            raise DeviceFailed(f"output {self.name!r}: found it closed, expected it open; nothing was played")
+            raise DeviceFailed(f"output {self.name!r}: found a closed output, expected an open one; nothing was played")
         self._end_task()
         volts = connector_v(self._settings, self._gain, signal)
         try:
@@ -163,7 +164,7 @@ def start_task(volts: FloatArray, settings: NiSettings) -> Any:
         )
         task.write(volts if len(volts) > 1 else volts[0], auto_start=False)
         task.start()
-    except BaseException:  # Ctrl-C too: a task that is left open keeps its channels reserved
+    except BaseException:  # including Ctrl-C: an open task keeps its channels reserved
         task.close()
         raise
     return task
@@ -182,7 +183,7 @@ def _add_channels(task: Any, settings: NiSettings) -> None:
 
 def _library() -> Any:
     with library_needed(
-        "output ni: found no nidaqmx; pip install 'tactometry[ni]', and NI-DAQmx from its maker; nothing was played"
+        "output ni: found no nidaqmx; pip install 'tactometry[ni]' and install NI-DAQmx; nothing was played"
     ):
         import nidaqmx
     return nidaqmx

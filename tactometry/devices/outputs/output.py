@@ -1,4 +1,4 @@
-"""Interface of output drivers. Rigs use a driver through its guard."""
+"""Interface of output drivers. Rigs use a driver only through its guard."""
 
 import math
 import time
@@ -15,9 +15,9 @@ from ...signal import Signal
 from .gain import Gain, SignalChain
 
 RAMP_S = 0.005
-"""Ramps of a signal that does not begin and end at rest (unverified default)."""
+"""Duration of the ramps of a signal that does not begin and end at zero (unverified default)."""
 AT_REST_PART = 0.01
-"""A signal that begins and ends below this part of its peak needs no ramp."""
+"""A signal that begins and ends below this fraction of its peak needs no ramp."""
 
 
 LONGEST_WORD_S = 0.1
@@ -30,8 +30,8 @@ class Driver(ABC):
     - `connected`: True if the output leaves the computer.
     - `one_bit`: True if it emits only plus or minus one voltage, without ramps.
     - `emits`: False for a null output.
-    - `full_scale_v`: The largest voltage that it can put on the load.
-    - `n_channels`, `rate_hz`: None for a driver that accepts any.
+    - `full_scale_v`: Largest voltage that it can apply to the load.
+    - `n_channels`, `rate_hz`: Required format of signals. None accepts any.
     - `follows`: True if it can play signals that follow a finger.
     """
 
@@ -46,7 +46,7 @@ class Driver(ABC):
 
     @property
     def identity(self) -> str:
-        """Name of the output that identifies it in the ledger, once open."""
+        """Name that identifies the output in the ledger, once it is open."""
         return self.name
 
     def facts(self) -> dict[str, str | int | float | None]:
@@ -70,7 +70,7 @@ class Driver(ABC):
 
     @abstractmethod
     def open(self) -> None:
-        """Claim the device, at zero. Raises `DeviceFailed`."""
+        """Open the device with the output at zero. Raises `DeviceFailed`."""
 
     @abstractmethod
     def final(self, signal: Signal) -> Signal:
@@ -81,7 +81,7 @@ class Driver(ABC):
 
     @abstractmethod
     def play(self, signal: Signal) -> float:
-        """Begin to emit. Return the onset on `time.perf_counter`, s.
+        """Begin to play and return the onset on `time.perf_counter`, s.
 
         The signal is finite, and the output is at zero after it.
         """
@@ -91,7 +91,7 @@ class Driver(ABC):
         return None
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Return gaps of the last signal, or None if they are unknown.
+        """Return the gaps of the last signal, or None if they are unknown.
 
         Waits at most `longest_wait_s` for the device to report a current gap.
         """
@@ -100,15 +100,15 @@ class Driver(ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """Set the output to zero, also if it is idle or closed."""
+        """Set the output to zero, even if it is idle or closed."""
 
     @abstractmethod
     def close(self) -> None:
-        """Set the output to zero and release it. May be repeated."""
+        """Set the output to zero and release the device. May be repeated."""
 
 
 class AmplifiedDriver(Driver):
-    """A driver that leads to an amplifier, with known channels, rate and gain."""
+    """Driver that leads to an amplifier, with known channels, rate and gain."""
 
     connected = True
     n_channels: int
@@ -120,7 +120,7 @@ class AmplifiedDriver(Driver):
 
 
 class UnconnectedDriver(Driver):
-    """A driver whose output is not connected and needs no stop."""
+    """Driver whose output is not connected and needs no stop."""
 
     connected = False
 
@@ -132,7 +132,7 @@ class UnconnectedDriver(Driver):
 
 
 class NullOutput(UnconnectedDriver):
-    """A driver that emits nothing: any channels, any rate."""
+    """Driver that emits nothing and accepts any channels and rate."""
 
     name = "null"
     emits = False
@@ -153,7 +153,7 @@ class NullOutput(UnconnectedDriver):
 
 @dataclass(frozen=True)
 class NullSettings:
-    """No output: nothing is played, and there is nothing to set."""
+    """Null output, which plays nothing and has no settings."""
 
     connected: ClassVar[bool] = False
 
@@ -166,13 +166,13 @@ class NullSettings:
 
 
 REMEDIES = {
-    "n_channels": "name one outlet of the output for each channel of the stimulus, and of a packed one the electrode",
-    "rate_hz": "state that rate_hz in the study's [stimulus] (or its setup), or another one in [output]",
+    "n_channels": "name one output channel for each channel of the stimulus, and for kind = 'packed' the electrode",
+    "rate_hz": "state this rate_hz in [stimulus] of the study (or its setup), or change it in [output]",
 }
 
 
 def check_format(signal: Signal, output: Driver) -> None:
-    """Refuse a signal whose channels or rate are not those of `output`."""
+    """Refuse a signal whose channels or rate differ from those of `output`."""
     if isinstance(signal, FollowedSignal):
         expect_following(output)
     of_signal = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
@@ -189,8 +189,8 @@ def expect_following(output: Driver) -> None:
     """Refuse a texture if the output cannot play signals that follow a finger."""
     if output.emits and not output.follows:
         raise DeviceFailed(
-            f"output {output.name!r}: found a texture, whose signal follows the finger, expected one that is known "
-            "when it begins; play it through kind = 'audio'; nothing was played"
+            f"output {output.name!r}: found a texture, whose signal follows the finger, expected a signal known "
+            "at its onset; use kind = 'audio'; nothing was played"
         )
 
 

@@ -1,6 +1,6 @@
 """Packed one-bit streams to a file, a pipe or the device of a board.
 
-The line to a board is written without blocking, in a separate thread.
+The data are written without blocking, in a separate thread.
 """
 
 import contextlib
@@ -31,20 +31,20 @@ from .output import LONGEST_WORD_S, AmplifiedDriver
 OPEN_WITHIN_S: Final = 5.0
 """Longest wait for a board to begin reading."""
 AGAIN_WITHIN_S: Final = 0.5
-"""The same for a board that has read before."""
+"""Longest wait for a board that has read before."""
 SEND_EXTRA_S: Final = 1.0
 """Time limit for sending a stream, in addition to its duration (unverified default)."""
 TAKE_EXTRA_S: Final = 0.5
-"""A board that has not read a complete stream this long after its end played nothing (unverified default)."""
+"""A board that has not read a complete stream this long after its end has not played it (unverified default)."""
 LOOK_S: Final = 0.005
 """Polling interval of a full line."""
 READ_WITHIN_S: Final = STOP_WITHIN_S - 2 * LOOK_S
-"""Time limit for a board to read a stop; earlier data and the stop are each polled once more."""
+"""Time limit for a board to read a stop. It allows one more poll each for earlier data and for the stop."""
 _NEVER: Final = threading.Event()
 
 
 class BoardLine:
-    """Open line. Only pipes report unread data and can be emptied."""
+    """Open line to a board. Only pipes report unread data and can be emptied."""
 
     def __init__(self, path: Path, file: int) -> None:
         self.path, self._file = path, file
@@ -53,7 +53,7 @@ class BoardLine:
     def write(self, stream: bytes, within_s: float, until: threading.Event = _NEVER) -> int:
         """Return the bytes accepted within a time, or before `until` was set.
 
-        Raises `DeviceFailed` if the board is lost.
+        Raises `DeviceFailed` if the board no longer accepts data.
         """
         end_s, sent = time.monotonic() + within_s, 0
         while sent < len(stream) and not until.is_set():
@@ -79,7 +79,7 @@ class BoardLine:
             ) from None
 
     def was_read(self, within_s: float) -> bool:
-        """Return True once a pipe is empty, False if it is not within a time."""
+        """Return True once a pipe is empty, False after `within_s`."""
         end_s = time.monotonic() + within_s
         while self._is_pipe and _n_unread(self._file) > 0:
             if time.monotonic() > end_s:
@@ -88,7 +88,7 @@ class BoardLine:
         return True
 
     def take_back(self) -> None:
-        """Empty a pipe of what its reader has not read."""
+        """Remove unread data from a pipe."""
         if not self._is_pipe:
             return
         with contextlib.ExitStack() as last_first, contextlib.suppress(OSError):
@@ -103,7 +103,7 @@ class BoardLine:
 
 
 class Sending:
-    """Stream being sent in a thread, and its `failure`."""
+    """Stream that is sent in a thread, and its `failure`."""
 
     def __init__(self, line: BoardLine, stream: bytes, within_s: float) -> None:
         self._line, self._stream, self._within_s = line, stream, within_s
@@ -132,19 +132,19 @@ class Sending:
     def end(self, within_s: float) -> bool:
         """Stop sending. Return True if the whole stream was sent.
 
-        Raises `DeviceFailed` if the board's driver blocks a write.
+        Raises `DeviceFailed` if the driver of the board blocks a write.
         """
         self._ending.set()
         self._thread.join(within_s)
         if self._thread.is_alive():
-            raise DeviceFailed(f"{self._line.path}: its driver blocks a write: switch the amplifier off")
+            raise DeviceFailed(f"{self._line.path}: the driver of the board blocks a write; switch the amplifier off")
         return self.n_sent == len(self._stream)
 
 
 def open_line(path: Path, within_s: float) -> BoardLine:
     """Open a line for appending. Waits for the reader of a pipe.
 
-    Raises `DeviceFailed` if it cannot be written, or has no reader within `within_s`.
+    Raises `DeviceFailed` if the path cannot be written, or has no reader within `within_s`.
     """
     # without O_NONBLOCK, opening a pipe without a reader blocks; with O_NOCTTY, a serial node does not become the
     # terminal whose hang-up ends this process; Windows has neither
@@ -164,8 +164,8 @@ def open_line(path: Path, within_s: float) -> BoardLine:
             has_no_reader = error.errno == errno.ENXIO and path.is_fifo()
             if not has_no_reader:
                 raise DeviceFailed(
-                    f"{path}: cannot open the board ({error.strerror}), expected a device, a pipe or a file that may "
-                    "be written; nothing was played"
+                    f"{path}: cannot open the board ({error.strerror}), expected a writable device, "
+                    "pipe or file; nothing was played"
                 ) from None
         if time.monotonic() > end_s:
             raise DeviceFailed(
@@ -187,13 +187,13 @@ def _n_unread(pipe: int) -> int:
 class PackedSettings:
     """Settings of a one-bit board.
 
-    With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.
+    With ``gain`` a bit of 1 is 1 unit: the supply of the board applies ``volts_per_unit * amplifier_gain`` to a load.
 
-    - `path`: A device node, a named pipe or a file, opened for appending.
-    - `n_channels`: Channels of the board.
+    - `path`: Device node, named pipe or file, opened for appending.
+    - `n_channels`: Number of channels of the board.
     - `rate_hz`: Clock rate of the board, and therefore of the stimulus.
-    - `electrode`: The channel, from 0, that leads to an electrode; the others lead to transducers.
-    - `lowest_supply_v`: Lowest voltage to which the board sets its supply for a stream; without it the supply is fixed.
+    - `electrode`: Channel, from 0, that is connected to an electrode. The other channels are connected to transducers.
+    - `lowest_supply_v`: Lowest supply voltage that the board can set for a stream. Without it the supply is fixed.
     """
 
     connected: ClassVar[bool] = True
@@ -217,8 +217,8 @@ class PackedSettings:
 class PackedOutput(AmplifiedDriver):
     """Output that writes a stream per signal, and an empty one to stop.
 
-    A stop ends what is being sent and returns within `STOP_WITHIN_S`, whatever the board does. Unread data are then
-    taken back and the line is closed, so that a board that wakes up finds nothing to play.
+    A stop aborts the sending of a stream and returns within `STOP_WITHIN_S`, whatever the board does. Unread data
+    are then removed and the line is closed, so that a board that recovers finds nothing to play.
     """
 
     one_bit = True
@@ -276,18 +276,17 @@ class PackedOutput(AmplifiedDriver):
         fixed = self._lowest_v == self.full_scale_v
         supply = f"{self.full_scale_v:.6g} V" if fixed else f"{self._lowest_v:.6g} to {self.full_scale_v:.6g} V"
         raise DeviceFailed(
-            f"output {self.name!r}: found a signal of {peak_v:.6g} V, expected the {supply} of the supply, which one "
-            "bit cannot scale; use foci or amplitude_modulated, whose level is set by bursts and pulses; "
-            "nothing was played"
+            f"output {self.name!r}: found a signal of {peak_v:.6g} V, expected the {supply} of the supply, because "
+            "one-bit samples cannot be scaled; use foci or amplitude_modulated; nothing was played"
         )
 
     def play(self, signal: Signal) -> float:
         self.final(signal)  # raises for refused signals
         if not self._is_open:
-            raise DeviceFailed(f"output {self.name!r}: found it closed, expected it open; nothing was played")
+            raise DeviceFailed(f"output {self.name!r}: found a closed output, expected an open one; nothing was played")
         with self._turn:
             self._end_whole()
-            # a stop that the board did not read has closed its line
+            # the line is closed if the board did not read the last stop
             self._line = self._line or open_line(self._path, AGAIN_WITHIN_S)
             onset_s = time.perf_counter()
             self._over_s, self._is_torn = onset_s + signal.duration_s, False
@@ -295,7 +294,7 @@ class PackedOutput(AmplifiedDriver):
         return onset_s
 
     def _end_whole(self) -> None:
-        """Finish before another signal. Unread data were not played."""
+        """Finish the last stream before another. Unread data were not played."""
         before, is_over = self._sending, time.perf_counter() >= self._over_s
         self._finish(READ_WITHIN_S)
         if before is None:
@@ -305,12 +304,12 @@ class PackedOutput(AmplifiedDriver):
             self._let_go()
         if self._is_torn:
             raise DeviceFailed(
-                f"{self._path}: the board had not read all of a stream when the next one came, so that the "
-                "stream was not played; restart the board"
+                f"{self._path}: the board had not read a whole stream when the next stream began, so that it "
+                "was not played; restart the board"
             )
 
     def _finish(self, within_s: float) -> None:
-        """Stop sending. Close the line of an incomplete stream."""
+        """Stop sending. Close the line if the stream is incomplete."""
         sending, self._sending = self._sending, None
         if sending is None:
             return
@@ -333,7 +332,7 @@ class PackedOutput(AmplifiedDriver):
     def stop(self) -> None:
         """Stop within `STOP_WITHIN_S`.
 
-        Raises `DeviceFailed` if the board has not read the stop by then, or had not taken the last stream.
+        Raises `DeviceFailed` if the board has not read the stop by then, or has not accepted the last stream.
         """
         end_s = time.monotonic() + READ_WITHIN_S
         with self._turn:
@@ -349,8 +348,8 @@ class PackedOutput(AmplifiedDriver):
             return
         self._let_go()
         raise DeviceFailed(
-            f"{self._path}: the board did not read a stop within {READ_WITHIN_S:g} s: switch its amplifier off; "
-            "its unread data were withdrawn, and its line is closed"
+            f"{self._path}: the board did not read a stop within {READ_WITHIN_S:g} s; switch its amplifier off. "
+            "Its unread data were removed and its line is closed"
         )
 
     def _let_go(self) -> None:

@@ -1,1 +1,1 @@
-"""Sensors: the source interface, the reader thread, calibration, drivers."""
+"""Sensors: source interface, reader thread, calibration and drivers."""

@@ -1,4 +1,4 @@
-"""A sound card as a sensor, through PortAudio (extra: audio)."""
+"""Sound card as a sensor, through PortAudio (extra: audio)."""
 
 import time
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from .reader import SampleBlock, SensorSettings, Source
 @dataclass(frozen=True)
 @constrained
 class AudioInputSettings(SensorSettings):
-    """A sound card as a sensor, with counts as parts of full scale.
+    """Sound card as a sensor, with counts as fractions of full scale.
 
     - `rate_hz`: Sampling rate of the sound card's input.
-    - `device`: The card, as the system calls it.
-    - `n_channels`: Number of channels read, from the first.
-    - `block_s`: Duration of a block read at once.
+    - `device`: System name of the card.
+    - `n_channels`: Number of channels to read, from the first.
+    - `block_s`: Duration of a block.
     - `latency_s`: Duration that the card may buffer.
     """
 
@@ -38,7 +38,7 @@ class AudioInputSettings(SensorSettings):
 
 
 class AudioInput(Source):
-    """Blocks from a card, stamped by its frame count."""
+    """Blocks from a card, whose time stamps are based on its frame count."""
 
     def __init__(self, settings: AudioInputSettings) -> None:
         super().__init__(f"audio {settings.device}", settings.rate_hz, settings.n_channels)
@@ -52,7 +52,7 @@ class AudioInput(Source):
     def open(self) -> None:
         sounddevice, settings = library(), self._settings
         wanted = f"cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz"
-        with attempt(self.name, wanted, "an input that can", (sounddevice.PortAudioError, ValueError)):
+        with attempt(self.name, wanted, "an input that supports this format", (sounddevice.PortAudioError, ValueError)):
             self._stream = sounddevice.InputStream(
                 device=settings.device,
                 channels=settings.n_channels,

@@ -8,17 +8,17 @@ from ..clock_map import ClockMap
 from .reader import SampleBlock
 
 SETTLING_S = 0.5
-"""Samples of this first period only serve to relate the clocks, and are dropped."""
+"""Duration of the first period, in which samples only relate the clocks and are dropped."""
 STANDS_S = 5e-3
-"""A clock difference that falls by more than this within the period is not yet stable (unverified default)."""
+"""Decrease of the clock difference within the period above which it is not yet stable (unverified default)."""
 SLEW = 1e-3
-"""Largest relative deviation of stamps from device time, which is the most that a hold is stretched (unverified
-default)."""
+"""Largest relative difference between intervals of time stamps and of device time. A hold is lengthened at most by
+this fraction (unverified default)."""
 STEP_S = 0.02
-"""Stamps with a larger error are corrected at once. A gate restarts at such a step, which is a gap of its longest
-length or a stamp that goes back."""
+"""Stamps with a larger error are corrected at once. A gate restarts at such a step, because it is a gap of the
+longest allowed duration or a decreasing time stamp."""
 REPEATED_AMONG = 1000
-"""A counter that goes back by less indicates a repeated sample; by more, a restarted device (unverified default)."""
+"""A counter that decreases by less indicates a repeated sample, by more a restarted device (unverified default)."""
 
 
 class CountedSamples:
@@ -32,7 +32,7 @@ class CountedSamples:
         self._begin(0)
 
     def may_begin_anew(self) -> None:
-        """Accept any next counter: the device was opened or asked to send."""
+        """Accept any next counter, because the device was opened or restarted."""
         self._may_begin_anew = True
 
     def _begin(self, ticks: int) -> None:
@@ -46,19 +46,20 @@ class CountedSamples:
         return {**counts, "clock_offset_s": self._clocks.offset_s}
 
     def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> SampleBlock:
-        """Stamp samples (counter, ticks, values) that arrived together.
+        """Return the time stamps of samples that arrived together.
 
-        Counters and ticks are modulo 2**32. A stamp is at most `STEP_S` later than the arrival. It goes back only after
-        larger errors or a restart of the device. Repeated and out-of-order samples are counted and dropped.
+        A sample consists of counter, ticks and values. Counters and ticks are modulo 2**32. A time stamp is at most
+        `STEP_S` later than the arrival. It decreases only after larger errors or a restart of the device. Repeated and
+        out-of-order samples are counted and dropped.
 
-        Raises `DeviceFailed` if the device's clock does not run as ours.
+        Raises `DeviceFailed` if the rate of the device's clock differs from ours.
         """
         new = []
         for counter, ticks, values in samples:
             if self._is_new(counter, ticks):
                 self._ticks += (ticks - self._ticks) % 2**32
                 new.append((self._ticks * self._tick_s, values))
-        # the whole block first, so that its least delayed sample stamps the others too
+        # add the whole block first, so that its least delayed sample determines all stamps
         for device_s, _ in new:
             self._clocks = self._clocks.after(device_s, arrival_s)
         self._clocks.check(self._name)
@@ -74,7 +75,7 @@ class CountedSamples:
         if self._best is None:
             self._best = offset_s, device_s
         elif offset_s < self._best[0] - STANDS_S:
-            # it fell during the whole block: stability begins after its newest sample
+            # the difference fell during the block: stability begins after its newest sample
             self._best = offset_s, newest_s
         self._is_settled = device_s - self._best[1] >= self._settling_s
         return self._is_settled

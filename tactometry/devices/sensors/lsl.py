@@ -1,4 +1,4 @@
-"""A stream of Lab Streaming Layer (extra: lsl)."""
+"""Stream of Lab Streaming Layer (extra: lsl)."""
 
 import contextlib
 import functools
@@ -16,11 +16,11 @@ from .reader import POLL_S, SampleBlock, SensorSettings, Source
 
 LONGEST_SEARCH_S = 5.0
 OTHERS_WITHIN_S = 0.5
-"""Another outlet of the same name answers within this time (unverified default)."""
+"""Time within which another outlet of the same name answers (unverified default)."""
 MOST_OUTLETS = 100
 MOST_SAMPLES = 4096
 WARNINGS_ONLY = "[log]\nlevel = -1\n"
-"""Otherwise liblsl prints its settings to the terminal; set before its first use."""
+"""Settings that stop liblsl from printing to the terminal. They must be set before its first use."""
 SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.cfg")
 
 
@@ -29,10 +29,10 @@ SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.
 class LslSettings(SensorSettings):
     """Stream of Lab Streaming Layer, by the name of its outlet.
 
-    - `stream`: The name of the outlet.
-    - `rate_hz`: Sampling rate, which the header of the stream must state.
+    - `stream`: Name of the outlet.
+    - `rate_hz`: Sampling rate, equal to the rate in the header of the stream.
     - `n_channels`: Number of channels of the stream.
-    - `source_id`: Identifies one of several outlets of the same name; without it the name must be unique.
+    - `source_id`: Identifier of one of several outlets with the same name. Without it the name must be unique.
     """
 
     stream: str
@@ -45,9 +45,9 @@ class LslSettings(SensorSettings):
 
 
 class LslSource(Source):
-    """An inlet whose stamps are moved to the local clock.
+    """Inlet whose time stamps are converted to the local clock.
 
-    An outlet that dies raises `DeviceFailed`; then only one with the same source id is opened.
+    If the outlet ends, `DeviceFailed` is raised. After that, only an outlet with the same source id is opened.
     """
 
     def __init__(self, settings: LslSettings) -> None:
@@ -77,7 +77,7 @@ class LslSource(Source):
                 raise DeviceFailed(
                     f"{self.name}: found a stream with {name} {value:g}, expected {expected:g}; correct the bench file"
                 )
-        # recover=False: raise when an outlet dies, as liblsl would wait for it silently
+        # recover=False: raise when an outlet ends, as liblsl would wait for it silently
         inlet = pylsl.StreamInlet(info, max_buflen=60, recover=False, processing_flags=pylsl.proc_clocksync)
         lost = pylsl.util.LostError, pylsl.util.TimeoutError
         with attempt(self.name, "the outlet does not answer", "one that runs", lost):
@@ -92,7 +92,7 @@ class LslSource(Source):
         search_s = 1.0 if self._searched else LONGEST_SEARCH_S
         self._searched = True
         if not pylsl.resolve_byprop("name", self._settings.stream, timeout=search_s):
-            raise DeviceFailed(f"{self.name}: found no such stream in {search_s:g} s, expected its outlet to run")
+            raise DeviceFailed(f"{self.name}: found no such stream in {search_s:g} s, expected a running outlet")
         # search again: the first search ends with the first outlet that answers
         outlets = pylsl.resolve_byprop("name", self._settings.stream, MOST_OUTLETS, OTHERS_WITHIN_S)
         wanted = [info for info in outlets if self._source_id in (None, info.source_id())]
@@ -101,7 +101,7 @@ class LslSource(Source):
             one = "one" if self._source_id is None else f"one with {self._source_id!r}"
             raise DeviceFailed(
                 f"{self.name}: found outlets of this name with the source ids {ids}, expected {one}; state source_id "
-                "in the bench file, and stop what is not meant"
+                "in the bench file, and stop the other outlets"
             )
         return wanted[0]
 
@@ -110,7 +110,7 @@ class LslSource(Source):
         try:
             samples, stamps_s = self._inlet.pull_chunk(timeout=POLL_S, max_samples=MOST_SAMPLES, min_samples=1)
         except pylsl.util.LostError:
-            raise DeviceFailed(f"{self.name}: the outlet is gone") from None
+            raise DeviceFailed(f"{self.name}: the outlet has ended") from None
         if not stamps_s:
             return None
         return SampleBlock(np.array(stamps_s) + self._offset_s, np.array(samples, dtype=np.float64))

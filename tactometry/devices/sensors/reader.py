@@ -1,4 +1,4 @@
-"""Reading of sensors, one thread each, independently of the display."""
+"""Reading of sensors, each in its own thread, independent of the display."""
 
 import contextlib
 import math
@@ -23,14 +23,14 @@ RETRY_S = 0.2
 POLL_S = 0.01
 """Interval of empty blocks while no samples arrive."""
 KEPT_S = 60.0
-"""A listener that does not read loses older samples."""
+"""Number of blocks after which a listener that does not read loses its oldest samples."""
 AHEAD_S: Final = 0.05
-"""Largest lead of a stamp over its arrival, due to errors of the clock offset (unverified default)."""
+"""Largest time by which a stamp may precede its arrival, due to errors of the clock offset (unverified default)."""
 LATE_S: Final = 0.1
-"""Samples that are older on arrival are not current; a sensor silent for longer is lost."""
+"""Age on arrival above which samples are not current. A sensor silent for longer is lost."""
 LATE_FOR_S: Final = 5.0
-"""Longest time for which all samples may be late, as after a busy period of the computer. No gate opens on them
-(unverified default)."""
+"""Longest time for which all samples may be late, as after a busy period of the computer. No gate opens on late
+samples (unverified default)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Source(ABC):
         """Return the next samples, or None after about `POLL_S`."""
 
     def close(self) -> None:
-        """Release what `open` put on the stack `_opened`. May be repeated."""
+        """Release everything on the stack `_opened`. May be repeated."""
         self._opened.close()
 
     def facts(self) -> dict[str, str | int | float | None]:
@@ -72,13 +72,13 @@ class Source(ABC):
 
 
 class SensorSettings(ABC):
-    """Table of a sensor. `live` if its samples are current."""
+    """Table of a sensor. `live` is True if its samples are current."""
 
     live: ClassVar[bool] = True
 
     @abstractmethod
     def source(self) -> Source:
-        """Make the source, which is not open."""
+        """Create the source without opening it."""
 
 
 class Listener:
@@ -97,7 +97,7 @@ class Listener:
 
     def read(self) -> SampleBlock:
         """Return all samples since the last call, without waiting."""
-        # the present number, as the reader's thread may add more
+        # the current number, as the reader's thread may add more
         blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
         if not blocks:
             return SampleBlock(np.empty(0), np.empty((0, self._n_channels)))
@@ -105,7 +105,7 @@ class Listener:
         return SampleBlock(times_s, np.concatenate([block.values for block in blocks]))
 
     def blocks(self, end_s: float, pause_s: float = 0.01) -> Iterator[SampleBlock]:
-        """Yield blocks as they come until `end_s`, polled at every pause."""
+        """Yield blocks as they arrive, until `end_s`."""
         while now_s() < end_s:
             block = self.read()
             if block.times_s.size:
@@ -115,12 +115,13 @@ class Listener:
 
 @dataclass(frozen=True)
 class Arrivals:
-    """State of a sensor's stamps.
+    """State of a sensor's time stamps.
 
-    - `last_s`: The last stamp, s.
-    - `late_since_s`: Arrival of the first block since which all were late, s.
-    - `n_steps_back`: How often a stamp was before the previous one.
-    - `fault`: Why the last block is rejected: a stamp not finite, in the future, or late for long.
+    - `last_s`: Last time stamp, s.
+    - `late_since_s`: Arrival time of the first of the late blocks, s; None if the last block was current.
+    - `n_steps_back`: Number of time stamps that precede the previous one.
+    - `fault`: Reason why the last block is rejected: a time stamp that is not finite, in the future, or late for too
+      long.
 
     >>> arrivals = Arrivals().after(np.array([1.0, 1.1]), arrival_s=1.11)
     >>> arrivals.fault, arrivals.after(np.array([1.05]), arrival_s=1.12).n_steps_back
@@ -138,7 +139,7 @@ related to this computer's"
     def after(self, times_s: FloatArray, arrival_s: float) -> "Arrivals":
         """Add a block of at least one sample."""
         stamps_s = times_s.tolist()
-        age_s = arrival_s - max(stamps_s)  # age of the newest sample: a block is late if all of it is
+        age_s = arrival_s - max(stamps_s)  # age of the newest sample: a block is late if all its samples are
         since_s = arrival_s if self.late_since_s is None else self.late_since_s
         late_since_s = since_s if age_s > LATE_S else None
         late_for_s = 0.0 if late_since_s is None else arrival_s - late_since_s
@@ -157,7 +158,7 @@ def _fault(stamps_s: list[float], age_s: float, late_for_s: float) -> str | None
         )
     if late_for_s > LATE_FOR_S:
         return (
-            f"found samples that are {age_s:.3g} s old when they come, expected at most {LATE_S:g} s: its clock runs "
+            f"found samples that are {age_s:.3g} s old on arrival, expected at most {LATE_S:g} s: its clock runs "
             "slow, has stopped or has jumped back, or its samples are buffered"
         )
     return None
@@ -166,8 +167,8 @@ def _fault(stamps_s: list[float], age_s: float, late_for_s: float) -> str | None
 class Reader:
     """Reader of a source, in a thread that reopens it after an outage.
 
-    Any exception of the source is an outage, and so are stamps that contradict their arrival; those samples are
-    dropped. Stamps are moved back by the known delay `delay_s`.
+    Any exception of the source is an outage, and so are time stamps that contradict their arrival. The affected
+    samples are dropped. The known delay `delay_s` is subtracted from time stamps.
     """
 
     def __init__(self, source: Source, delay_s: float = 0.0) -> None:
@@ -181,7 +182,7 @@ class Reader:
         self._n_outages = self._n_steps_back = 0
         self._arrivals = Arrivals()
         self.failure: str | None = None
-        """Why there are no samples since the last ones."""
+        """Reason why no samples have arrived since the last ones."""
 
     def facts(self) -> dict[str, str | int | float | None]:
         counts = {"n_samples": self._n_samples, "n_outages": self._n_outages, "failure": self.failure}
@@ -189,10 +190,10 @@ class Reader:
         return {**self.source.facts(), **counts, "n_steps_back": n_steps_back}
 
     def check_channels(self, where: str, *channels: int) -> None:
-        """Refuse a channel that the source lacks. `where` opens the message."""
+        """Refuse a channel that the source lacks. `where` begins the message."""
         last = self.source.n_channels - 1
         for channel in channels:
-            expect(0 <= channel <= last, where, channel, f"from 0 to {last}, a channel of {self.source.name}")
+            expect(0 <= channel <= last, where, channel, f"a channel of {self.source.name}, from 0 to {last}")
 
     def listen(self) -> Listener:
         """Return a new listener, which receives samples from now on."""
@@ -214,7 +215,7 @@ class Reader:
         return unsubscribe
 
     def open(self) -> None:
-        """Begin to read, unless it is open already. Raises `DeviceFailed`."""
+        """Begin to read, unless the reader is already open. Raises `DeviceFailed`."""
         if self._n_open == 0:
             self._open_source()
             self._ending.clear()
@@ -223,7 +224,7 @@ class Reader:
         self._n_open += 1
 
     def close(self) -> None:
-        """End the thread once all who opened the reader have closed it."""
+        """End the thread after the last user of the reader has closed it."""
         self._n_open = max(0, self._n_open - 1)
         if self._n_open == 0 and self._thread is not None:
             self._ending.set()
@@ -235,7 +236,7 @@ class Reader:
         while not self._ending.is_set():
             try:
                 self._take(self.source.receive())
-            except Exception as error:  # after any error the device is reopened
+            except Exception as error:  # the device is reopened after any error
                 self.failure = str(self._as_failure(error))
                 self._n_outages += 1
                 with contextlib.suppress(Exception):
@@ -270,7 +271,7 @@ class Reader:
             return
         self._n_samples += block.times_s.size
         self.failure = None
-        # a copy only if stamps move, as listeners share the block
+        # copied only if stamps are shifted, as listeners share the block
         self._publish(SampleBlock(block.times_s - self._delay_s, block.values) if self._delay_s else block)
 
     def _publish(self, block: SampleBlock) -> None:

@@ -23,7 +23,7 @@ STEP_S = 0.005
 class RecordedSettings(SensorSettings):
     """Recording in a CSV file with a header.
 
-    The first column is ``time_s``, the others are channels in counts.
+    The first column is ``time_s``, the other columns are channels in counts.
 
     - `path`: Path of the CSV file, relative to the working directory.
     - `rate_hz`: Sampling rate of the recording.
@@ -74,5 +74,5 @@ def _table(path: Path, n_channels: int) -> NDArray[np.float64]:
     if header[0] != "time_s" or len(header) != n_channels + 1:
         raise DeviceFailed(f"{path}: found the columns {', '.join(header)}, expected time_s and {n_channels} channels")
     if not np.isfinite(table[:, 0]).all() or np.any(np.diff(table[:, 0]) <= 0):
-        raise DeviceFailed(f"{path}: found times that do not rise, expected rising ones")
+        raise DeviceFailed(f"{path}: found times that do not increase, expected increasing times")
     return np.asarray(table)

@@ -1,4 +1,4 @@
-"""Sensor on a serial line with checked frames (extra: serial).
+"""Sensor on a serial line, with checksummed frames (extra: serial).
 
 A frame, all little-endian:
 
@@ -35,8 +35,8 @@ LARGEST_READ = 65_536
 class SerialSettings(SensorSettings):
     """Settings of a sensor on a serial line.
 
-    - `port`: Such as ``/dev/ttyACM0`` or ``COM3``.
-    - `rate_hz`: Sampling rate that the device states.
+    - `port`: Name of the port, such as ``/dev/ttyACM0`` or ``COM3``.
+    - `rate_hz`: Nominal sampling rate of the device.
     - `n_channels`: Number of values in a sample.
     - `baud`: Symbol rate of the serial line.
     """
@@ -51,7 +51,7 @@ class SerialSettings(SensorSettings):
 
 
 class SerialSource(Source):
-    """Source of frames from a line, which may be opened again."""
+    """Source of frames from a serial line, which can be reopened."""
 
     def __init__(self, settings: SerialSettings) -> None:
         super().__init__(f"serial {settings.port}", settings.rate_hz, settings.n_channels)
@@ -72,7 +72,7 @@ class SerialSource(Source):
         except (serial.SerialException, OSError, ValueError) as error:
             number = getattr(error, "errno", None)
             why = os.strerror(number) if number else reason(error)
-            raise DeviceFailed(f"{self.name}: cannot open the line ({why}), expected a device to read") from None
+            raise DeviceFailed(f"{self.name}: cannot open the line ({why}), expected a readable device") from None
         self._framing, self._line = Framing(self.n_channels, n_skipped=self._framing.n_skipped), line
         self._opened.callback(line.close)
         self._samples.may_begin_anew()
@@ -81,7 +81,7 @@ class SerialSource(Source):
         serial = _library()
         try:
             data = _available(self._line, self._framing.n_missing)
-        except (serial.SerialException, OSError, TypeError) as error:  # TypeError: pyserial's, of a line without a file
+        except (serial.SerialException, OSError, TypeError) as error:  # pyserial raises TypeError for a closed line
             words = " ".join(str(error).split())
             raise DeviceFailed(f"{self.name}: the line was disconnected ({words})") from None
         arrival_s = now_s()
@@ -131,13 +131,13 @@ def frame_bytes(n_channels: int) -> int:
 
 @dataclass(frozen=True)
 class Framing:
-    """Parser state: the rest of a byte stream after its complete frames.
+    """Parser state: the bytes after the last complete frame.
 
-    A whole frame is found in any noise; a damaged one is accepted once in 2**32.
+    A complete frame is found in any noise. A damaged frame is accepted with a probability of 1 in 2**32.
 
     - `n_channels`: Number of channels in every frame of this device.
-    - `rest`: Bytes that are not yet a whole frame.
-    - `n_skipped`: Bytes that belonged to no frame.
+    - `rest`: Bytes that do not form a complete frame yet.
+    - `n_skipped`: Number of bytes that did not belong to a frame.
 
     >>> body = bytes.fromhex("a55a 0100 07000000 e8030000 fbffffff")
     >>> sent = body + zlib.crc32(body).to_bytes(4, "little")
@@ -152,7 +152,7 @@ class Framing:
 
     @property
     def n_missing(self) -> int:
-        """Bytes until the next frame can be whole, at least 1.
+        """Bytes until the next frame can be complete, at least 1.
 
         >>> Framing(n_channels=1).n_missing, Framing(n_channels=1, rest=SYNC).n_missing
         (20, 18)
@@ -168,7 +168,7 @@ class Framing:
             n_skipped += begin - at
             frame = _decode(stream[begin : begin + n_frame])
             if frame is None:
-                # a false opening may contain a frame, or be part of one: skip only its first byte
+                # a false start may contain a frame, or be part of one: skip only its first byte
                 at = begin + 1
                 n_skipped += 1
             else:
@@ -177,7 +177,7 @@ class Framing:
         return Framing(self.n_channels, stream[begin:], n_skipped + begin - at), frames
 
     def _candidate(self, stream: bytes, at: int) -> int:
-        """Return where the next frame may begin."""
+        """Return the position where the next frame may begin."""
         opening = SYNC + bytes([self.n_channels, 0])
         begin = stream.find(opening, at)
         if begin >= 0:

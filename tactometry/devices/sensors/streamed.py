@@ -17,14 +17,14 @@ from .reader import Reader, SampleBlock
 OnSamples = Callable[[FloatArray, FloatArray], None]
 """Callback for samples: times (n_samples,) in s on `time.perf_counter`, and values."""
 MEAN_S = 0.02
-"""Positions are averaged over this time before distances are summed, against noise (unverified default)."""
+"""Duration over which positions are averaged, against noise, before distances are summed (unverified default)."""
 
 
 class StreamedSensor:
-    """Sensor made of channels of a reader, whose counts `convert` maps.
+    """Sensor of some channels of a reader, whose counts `convert` maps.
 
-    A force is in N, (n_samples,), a position on the surface in m, (n_samples, n_axes). Stamps are seconds on
-    `time.perf_counter`; a sample that the device reports as lost is NaN.
+    Forces are in N, (n_samples,), positions on the surface in m, (n_samples, n_axes). Time stamps are seconds on
+    `time.perf_counter`. A sample that the device reports as lost is NaN.
     """
 
     def __init__(self, reader: Reader, convert: Callable[[FloatArray], FloatArray]) -> None:
@@ -38,7 +38,7 @@ class StreamedSensor:
         return self.reader.source.name
 
     def open(self) -> None:
-        """Begin to collect. Raises `DeviceFailed`."""
+        """Begin to collect samples. Raises `DeviceFailed`."""
         if not self._is_open:
             self.reader.open()
             self._is_open = True
@@ -51,7 +51,7 @@ class StreamedSensor:
     def subscribe(self, on_samples: OnSamples) -> Callable[[], None]:
         """Call `on_samples` in the reader's thread until the returned call.
 
-        A silent device gives empty arrays every `POLL_S`.
+        A silent device causes a call with empty arrays every `POLL_S`.
         """
         return self.reader.subscribe(lambda block: on_samples(block.times_s, self._values(block)))
 
@@ -72,7 +72,8 @@ class StreamedSensor:
 
 LARGEST_FORCE_N = 100.0
 LARGEST_PLACE_M = 1e6
-"""Larger values cannot come from a finger: instruments send them at overload (unverified defaults)."""
+"""Values above which a reading cannot come from a finger. Instruments send such values at overload (unverified
+defaults)."""
 
 
 @dataclass(frozen=True)
@@ -80,20 +81,20 @@ LARGEST_PLACE_M = 1e6
 class ForceCalibration(Measured):
     """Force calibration in one of three forms.
 
-    Counts outside a known range become NaN, a lost sample. So does a force above `LARGEST_FORCE_N`, which instruments
-    send at overload.
+    Counts outside a known range become NaN, a lost sample. So do forces above `LARGEST_FORCE_N`, which instruments send
+    at overload.
 
-    - `newtons_per_count`: With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
+    - `newtons_per_count`: Force per count for use with `zero_count`, N, not 0. Negative if pressing lowers the counts.
     - `zero_count`: Count of the sensor without a force.
-    - `polynomial`: Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to
-      `count_high`.
-    - `table_counts`: Rising counts of a calibration curve of straight lines.
-    - `table_forces_n`: Force at each of the `table_counts`, rising or falling with them.
+    - `polynomial`: Coefficients in ascending order, N, N per count and so on. The polynomial must be monotonic from
+      `count_low` to `count_high`.
+    - `table_counts`: Increasing counts of a piecewise linear calibration curve.
+    - `table_forces_n`: Force at each of the `table_counts`, increasing or decreasing throughout.
     - `count_low`: Count at which the sensor saturates at the low end.
     - `count_high`: Count at which the sensor saturates at the high end.
     - `measured_on`: Date of the calibration.
-    - `measured_by`: Who made the calibration.
-    - `max_age_days`: Age from which the calibration is refused.
+    - `measured_by`: Name of the person who calibrated it.
+    - `max_age_days`: Age above which the calibration is refused.
 
     >>> ForceCalibration(newtons_per_count=0.01, zero_count=100.0).force_n(np.array([100.0, 350.0])).tolist()
     [0.0, 2.5]
@@ -116,7 +117,7 @@ class ForceCalibration(Measured):
         forms = without_none(
             {name: getattr(self, name) for name in ("newtons_per_count", "polynomial", "table_counts")}
         )
-        several = "none or more than one of newtons_per_count, polynomial and table_counts"
+        several = "none, or more than one, of newtons_per_count, polynomial and table_counts"
         expect(len(forms) == 1, "ForceCalibration", several, "exactly one")
 
         if self.newtons_per_count is not None:
@@ -131,11 +132,11 @@ class ForceCalibration(Measured):
             where = "ForceCalibration.table_counts"
             paired = len(counts) == len(forces_n) >= 2 and np.isfinite([counts, forces_n]).all()
             sizes = f"{len(counts)} counts and {len(forces_n)} table_forces_n"
-            expect(paired, where, sizes, "as many of both, at least two, all finite")
-            expect(np.all(np.diff(counts) > 0), where, "counts that do not rise", "rising ones")
+            expect(paired, where, sizes, "equal numbers of both, at least two, all finite")
+            expect(np.all(np.diff(counts) > 0), where, "counts that do not increase", "rising ones")
             steps_n = np.diff(forces_n)
             follows = np.all(steps_n > 0) or np.all(steps_n < 0)
-            turns = "forces that neither rise nor fall with the counts"
+            turns = "forces that neither increase nor decrease throughout"
             expect(follows, "ForceCalibration.table_forces_n", turns, "that; measure them again")
 
         rises = self.count_low < self.count_high
@@ -161,8 +162,8 @@ def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None
     is_flat = not np.any(slope.coef)  # a constant has no slope, and so no root to check
     if np.any(turns) or is_flat:
         raise InvalidParameter(
-            f"ForceCalibration.polynomial: found {polynomial}, which gives one force for several counts from "
-            f"{low:g} to {high:g}, expected it to rise or fall there; state count_low and count_high as measured"
+            f"ForceCalibration.polynomial: found {polynomial}, which yields the same force for several counts from "
+            f"{low:g} to {high:g}, expected a monotonic polynomial; correct count_low and count_high"
         )
 
 
@@ -179,7 +180,7 @@ def streamed_position(
 ) -> StreamedSensor:
     """Return a position sensor with one channel per axis.
 
-    The position is 0 at `zero_counts` (default 0). Counts outside of `known`, such as overload values, become NaN.
+    The position is 0 at `zero_counts` (default 0). Counts outside `known`, such as overload values, become NaN.
     """
     columns, zero = np.array(channels), np.array(zero_counts or (0.0,) * len(channels))
 
@@ -198,13 +199,13 @@ def _within(values: FloatArray, largest: float) -> FloatArray:
 def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | None:
     """Return the mean speed of a finger, from positions averaged in time.
 
-    Positions are averaged over each `MEAN_S` before distances are summed.
+    Positions are averaged over periods of `MEAN_S` before distances are summed.
 
-    - `times_s`: Rising stamps, s.
+    - `times_s`: Increasing time stamps, s.
     - `positions_m`: Finite positions, m, (n_samples, n_axes).
 
-    Returns None if the samples fill less than two such times. Raises `InvalidParameter` if the shapes differ or stamps
-    go back.
+    Returns None if the samples fill less than two periods. Raises `InvalidParameter` if the shapes differ or a time
+    stamp decreases.
 
     >>> times_s = np.arange(1000) / 1000
     >>> round(mean_speed_m_per_s(times_s, np.column_stack([0.03 * times_s, 0.04 * times_s])), 9)
@@ -212,7 +213,7 @@ def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | 
     """
     paired = times_s.ndim == 1 and positions_m.ndim == 2 and len(times_s) == len(positions_m)
     sizes = f"{times_s.shape} stamps and {positions_m.shape} positions"
-    expected = "rising stamps (n_samples,) and positions (n_samples, n_axes)"
+    expected = "increasing stamps (n_samples,) and positions (n_samples, n_axes)"
     expect(paired and not np.any(np.diff(times_s) < 0), "mean_speed_m_per_s", sizes, expected)
     if len(times_s) == 0:
         return None

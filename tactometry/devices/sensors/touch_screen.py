@@ -1,8 +1,8 @@
-"""Touch screen or mouse of Linux as a position sensor.
+"""Touch screen or mouse on Linux as a position sensor.
 
 The kernel writes records of 24 bytes (``struct input_event`` of a 64-bit system: seconds, microseconds, type, code,
-value); a report of type 0 and code 0 ends a sample. Absolute axes are a touch screen's first contact, relative ones a
-mouse's steps, summed. Tested with records through a pipe, not with a touch screen.
+value). A record of type 0 and code 0 ends a sample. Absolute axes are the first contact of a touch screen, relative
+axes the summed steps of a mouse. Tested with records through a pipe, not with a touch screen.
 """
 
 import os
@@ -19,7 +19,7 @@ from ...errors import DeviceFailed, attempt
 from .reader import SampleBlock, SensorSettings, Source, now_s
 
 EVENT: Final = struct.Struct("=qqHHi")
-# names of the kernel's header linux/input.h: EV_SYN, EV_REL, EV_ABS
+# names in the kernel's header linux/input.h: EV_SYN, EV_REL, EV_ABS
 SYNC, RELATIVE, ABSOLUTE = 0, 2, 3
 # ABS_X and ABS_Y, ABS_MT_POSITION_X and _Y, ABS_MT_PRESSURE
 AXES: Final = {(ABSOLUTE, 0): 0, (ABSOLUTE, 1): 1, (ABSOLUTE, 53): 0, (ABSOLUTE, 54): 1, (ABSOLUTE, 58): 2}
@@ -30,13 +30,13 @@ TRACKING: Final = (ABSOLUTE, 57)
 # EVIOCSCLOCKID, and CLOCK_MONOTONIC, which `time.perf_counter` reads on Linux
 SET_CLOCK, MONOTONIC = 0x400445A0, 1
 HELD_S = 0.01
-"""Interval at which the position of a resting finger is repeated, as the device sends nothing."""
+"""Interval at which the position of a resting finger is repeated, as the device then sends nothing."""
 
 
 @dataclass(frozen=True)
 @constrained
 class TouchSettings(SensorSettings):
-    """A touch screen, whose channels are x, y and pressure.
+    """Touch screen, whose channels are x, y and pressure.
 
     - `path`: Device file of the touch screen, such as ``/dev/input/event5``.
     - `rate_hz`: Report rate for a moving finger.
@@ -51,7 +51,7 @@ class TouchSettings(SensorSettings):
 
 @dataclass(frozen=True)
 class TrackedFinger:
-    """Position of a finger, `touching` from landing to lift."""
+    """Position of a finger; `touching` is True from landing to lift."""
 
     values: tuple[float, float, float] = (0.0, 0.0, 0.0)
     touching: bool = False
@@ -91,7 +91,7 @@ class TouchSource(Source):
         return {"stamped_by": "kernel" if self._stamped else "arrival"}
 
     def open(self) -> None:
-        with attempt(self.name, "cannot open it", "an event device that may be read"):
+        with attempt(self.name, "cannot open it", "a readable event device"):
             self._file = os.open(self._path, os.O_RDONLY | os.O_NONBLOCK)
         self._stamped = _set_clock(self._file)
         self._finger = self._reported = TrackedFinger()
@@ -99,7 +99,7 @@ class TouchSource(Source):
 
     def receive(self) -> SampleBlock | None:
         if self._file is None:
-            raise DeviceFailed(f"{self.name}: it is closed")
+            raise DeviceFailed(f"{self.name}: the device is closed")
         try:
             ready, _, _ = select.select([self._file], [], [], HELD_S)
             data = os.read(self._file, 64 * EVENT.size) if ready else b""

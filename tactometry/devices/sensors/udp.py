@@ -1,9 +1,10 @@
-"""Network force sensor that streams records by UDP, as ATI's do.
+"""Network force sensor that sends records by UDP, like the sensors of ATI.
 
-A request is 8 bytes, big-endian: ``12 34``, a command (u16: 2 begins, 0 ends), a number of samples (u32: 0 is no end).
-A record is 36 bytes: sequence of the stream (u32), sequence of the sensor's samples (u32), status (u32, 0 is sound),
-then six values (i32): forces along x, y, z and torques about them, in counts. A datagram holds one record or more.
-The form is that of the maker's published manual; it was run against an emulator, not against a sensor.
+A request has 8 bytes, big-endian: ``12 34``, a command (u16: 2 begins, 0 ends), and a number of samples (u32: 0 means
+unlimited).
+A record has 36 bytes: sequence number of the record (u32), sequence number of the sensor's sample (u32), status (u32, 0
+means no error), then six values (i32): forces along x, y, z and torques about them, in counts. A datagram contains one
+or more records. The format is that of the published manual. It was tested with an emulator, not with a sensor.
 """
 
 import contextlib
@@ -24,7 +25,7 @@ RECORD: Final = struct.Struct(">III6i")
 RECEIVED_BYTES = 2**22
 """Requested size of the system's receive buffer, bytes."""
 SILENT_S = 0.5
-"""After this silence the request is sent again: the sensor may have been off."""
+"""Silence after which the request is sent again, because the sensor may have been off."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class UdpSettings(SensorSettings):
 
     - `address`: Network address of the sensor.
     - `rate_hz`: Rate of the samples that it sends.
-    - `sensor_rate_hz`: Internal sampling rate of the sensor, which may send only every n-th sample.
+    - `sensor_rate_hz`: Internal sampling rate of the sensor. It may send only every n-th sample.
     - `port`: UDP port of the sensor.
     """
 
@@ -51,7 +52,7 @@ class UdpSettings(SensorSettings):
 
 
 def records(datagram: bytes) -> list[tuple[int, int, int, tuple[int, ...]]]:
-    """Return (sequence, ticks, status, counts) of each record, if whole.
+    """Return (sequence, ticks, status, counts) of each complete record.
 
     >>> records(RECORD.pack(1, 7, 0, 1, -2, 3, 4, 5, 6))
     [(1, 7, 0, (1, -2, 3, 4, 5, 6))]
@@ -78,7 +79,7 @@ class UdpSource(Source):
     def open(self) -> None:
         self._socket = self._opened.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         self._opened.callback(self._end)
-        with attempt(self.name, "cannot reach the sensor", "its address"):
+        with attempt(self.name, "the sensor cannot be reached", "its address"):
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
             self._socket.settimeout(POLL_S)
             self._socket.connect((self._settings.address, self._settings.port))
@@ -91,16 +92,16 @@ class UdpSource(Source):
                 self._samples.may_begin_anew()
                 self._heard_s = now_s()
             datagram = self._socket.recv(65_536)
-        except (TimeoutError, ConnectionRefusedError):  # refused: the port is closed, as while a sensor starts
+        except (TimeoutError, ConnectionRefusedError):  # refused because the port is closed, as while a sensor starts
             return None
         except OSError as error:
             raise DeviceFailed(f"{self.name}: the network failed ({error})") from None
         self._heard_s = arrival_s = now_s()
         received = records(datagram)
         sound = [(sequence, ticks, values) for sequence, ticks, status, values in received if status == 0]
-        self._n_refused += len(received) - len(sound) if received else 1  # a datagram of another format counts as one
+        self._n_refused += len(received) - len(sound) if received else 1  # another format counts as one record
         return self._samples.block(sound, arrival_s) if sound else None
 
     def _end(self) -> None:
-        with contextlib.suppress(OSError):  # the sensor may be off already
+        with contextlib.suppress(OSError):  # the sensor may already be off
             self._socket.send(END)

@@ -1,1 +1,1 @@
-"""Experimenter's terminal: commands, pauses and the log of trials."""
+"""Terminal of the experimenter: commands, pauses and the log of trials."""

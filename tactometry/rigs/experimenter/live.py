@@ -1,7 +1,7 @@
-"""A terminal with a status area: the current trial, session status, and the typed line.
+"""Terminal with a status area: current trial, session status, typed line.
 
-Messages are printed above it, whole line by whole line. Keys are read one by one and shown here, because the terminal's
-own echo would appear at the cursor.
+Messages are printed above the status area as whole lines. Keys are read singly and displayed here, because the
+terminal's echo would appear at the cursor.
 """
 
 import atexit
@@ -26,13 +26,13 @@ USUAL_WIDTH: Final = 80
 
 @dataclass(frozen=True)
 class Typed:
-    """The typed line, and whether an escape sequence (an arrow key) is being skipped."""
+    """Typed text, and whether an escape sequence (arrow key) is being skipped."""
 
     text: str = ""
     in_sequence: bool = False
 
     def after(self, key: str) -> tuple["Typed", str | None]:
-        """Add a character; return also the line if the character ends it."""
+        """Add a character. Return also the line if the character completes it."""
         if self.in_sequence and key not in "\r\n":
             return replace(self, in_sequence=not (key.isalpha() or key == "~")), None
         if key in "\r\n":
@@ -47,11 +47,7 @@ class Typed:
 
 
 def rows(trial: str, status: str, typed: str, width: int) -> tuple[str, ...]:
-    """Return the bottom rows of a terminal of this width: trial and typed line cut at the left, status at the right.
-
-    >>> rows("trial 7: tone 5", "", "n he", 12)
-    ('…7: tone 5', '> n he')
-    """
+    """Return the bottom rows, cut to the width of the terminal."""
     room = max(width - 2, 1)  # a full row might wrap
     begun = status if len(status) <= room else f"{status[: room - 1]}…"
     upper = [_end(trial, room) if trial else "", f"{REVERSE}{begun}{USUAL}" if status else ""]
@@ -63,7 +59,7 @@ def _end(words: str, room: int) -> str:
 
 
 def has_status_area(source: TextIO | None, output: TextIO | None) -> bool:
-    """Return True if these are terminals with cursor control whose keys can be read one by one."""
+    """Return True if the terminals have cursor control and single-key input."""
     if source is None or output is None or not (source.isatty() and output.isatty()):
         return False
     return sys.platform != "win32" and os.environ.get("TERM", "dumb") not in ("", "dumb")
@@ -77,20 +73,20 @@ def experimenter_terminal(source: TextIO, output: TextIO) -> ExperimenterTermina
 
 
 class LiveTerminal(ExperimenterTerminal):
-    """An `ExperimenterTerminal` with a status area; requires `has_status_area`."""
+    """Terminal with a status area. Requires `has_status_area`."""
 
     def __init__(self, source: TextIO, output: TextIO, redirected_files: Sequence[int] = ()) -> None:
         self._drawing, self._n_rows, self._width = threading.RLock(), 0, USUAL_WIDTH
         self._trial, self._typed, self._opened = "", Typed(), ExitStack()
         self._decode = codecs.getincrementaldecoder("utf-8")("replace")
-        self._kept_file = os.dup(output.fileno())  # the files that libraries write to are redirected below
+        self._kept_file = os.dup(output.fileno())  # keep the original files, as libraries' output is redirected below
         self._opened.callback(os.close, self._kept_file)
         self._opened.callback(one_by_one(source.fileno()))
         atexit.register(self.close)
         super().__init__(source, output)
         self._opened.callback(self._leave)
         for file in redirected_files:
-            self._opened.enter_context(redirected(file, self.tell))  # until its last output, before closing
+            self._opened.enter_context(redirected(file, self.tell))  # until the last redirected output, before closing
 
     def _read(self, file: int) -> None:
         while data := available(file):
@@ -127,7 +123,7 @@ class LiveTerminal(ExperimenterTerminal):
         return f"\r\x1b[{self._n_rows - 1}A{ERASE_BELOW}" if self._n_rows > 1 else f"\r{ERASE_BELOW}"
 
     def _draw(self, above: str | None = None) -> None:
-        """Redraw the status area, with a line above it."""
+        """Redraw the status area, and print a line above it."""
         with self._drawing:
             if self._output is None:
                 return
@@ -146,7 +142,7 @@ class LiveTerminal(ExperimenterTerminal):
         try:
             while data:
                 data = data[os.write(self._kept_file, data) :]
-        except OSError:  # the terminal is gone, the session is not
+        except OSError:  # the terminal is gone, but the session goes on
             self._output = None
 
     def close(self) -> None:
@@ -157,7 +153,7 @@ class LiveTerminal(ExperimenterTerminal):
 
 
 def one_by_one(file: int) -> Callable[[], None]:
-    """Switch a terminal to single keys without echo; return the function that restores it."""
+    """Read single keys without echo. Return a function that restores the terminal."""
     import termios
     import tty
 
@@ -175,7 +171,7 @@ def one_by_one(file: int) -> Callable[[], None]:
 
 @contextmanager
 def redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
-    """Pass each line that is written to a file number to `tell`, also an unfinished last one."""
+    """Pass each line written to a file descriptor to `tell`."""
     before, (source, sink) = os.dup(file), os.pipe()
     listener = threading.Thread(target=_listen, args=(source, tell), name=f"messages {file}", daemon=True)
     os.dup2(sink, file)
@@ -184,7 +180,7 @@ def redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
     try:
         yield
     finally:
-        os.dup2(before, file)  # closes the last writing end of the pipe, so that the listener ends
+        os.dup2(before, file)  # closes the last writing end of the pipe, so that the reader ends
         os.close(before)
         listener.join(1.0)
         os.close(source)

@@ -1,4 +1,4 @@
-"""Supervision of a session: stops, pauses, orders, and the log of trials and clocks."""
+"""Supervision of a session: stops, pauses, orders, log of trials and clocks."""
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -17,30 +17,31 @@ from ..pages.presenter import CLOSED, linger, reason_to_end
 from .terminal import HELP, ExperimenterTerminal, Order
 
 EXPERIMENTER = "the experimenter"
-WHEN: Final = "noted: takes effect after this trial or page"
+WHEN: Final = "noted; it takes effect after this trial or page"
 SAFE = "recorded data are safe: continue with --resume"
 STOPPED_S: Final = 10.0
-"""Duration of the page that asks to call the experimenter, unless a key is pressed (unverified default)."""
+"""Duration of the page that asks the participant to call the experimenter (unverified default). A key ends it
+earlier."""
 CLOCK = "_clock_offset_s"
-"""Suffix of the fact that states local minus device clock, s."""
+"""Suffix of facts that state the offset of a device: local clock minus device clock, s."""
 
 
 def utc_text(clock_s: float) -> str:
-    """Format a moment on `time.perf_counter` as ISO 8601."""
+    """Format a time on `time.perf_counter` as ISO 8601."""
     moment = datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
     return moment.isoformat(timespec="milliseconds")
 
 
 @dataclass(eq=False)
 class Supervisor:
-    """Attends to the participant's Escape key and the experimenter's orders in each frame.
+    """Handler of the participant's Escape key and the experimenter's orders.
 
     - `mute`: ``mute(on=True)`` sets the output to zero and keeps it there.
-    - `page`: Shown to the participant in a pause.
-    - `stopped_page`: Shown after a stop by Escape, for `STOPPED_S` or until the next key.
+    - `page`: Page shown to the participant during a pause.
+    - `stopped_page`: Page shown after Escape, for `STOPPED_S` or until the next key.
     - `zero_s`: Start of the session on `time.perf_counter`.
-    - `under_way`, `repeat`: True while a trial is under way, and if it is to be repeated.
-    - `last`: The last recorded trial.
+    - `under_way`, `repeat`: True while a trial is running, and True if it will be repeated.
+    - `last`: Last recorded trial.
     """
 
     screen: Display
@@ -66,15 +67,15 @@ class Supervisor:
             self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc_text(clock_s), facts, duration_s))
 
     def note_stimulus(self, onset_s: float, duration_s: float, charge_c: float) -> None:
-        """Keep a stimulus as it begins, so that it counts when the session goes on."""
+        """Record a stimulus at its onset, so that a resumed session counts it."""
         self._keep("stimulus", onset_s, {"charge_c": charge_c}, duration_s)
 
     def note_stimulus_end(self, charge_c: float) -> None:
-        """Keep the charge that the last stimulus passed, which replaces that of its beginning."""
+        """Record the charge that the last stimulus passed, replacing the first value."""
         self.note("stimulus_end", charge_c=charge_c)
 
     def attend(self, events: tuple[Input, ...]) -> bool:
-        """Handle what was pressed and typed; return True if the session was paused.
+        """Handle key presses and orders. Return True if the session was paused.
 
         Raises `Stopped` after Escape, a closed window, or an order to stop.
         """
@@ -85,7 +86,7 @@ class Supervisor:
         return self._n_pauses != n_pauses
 
     def pause(self, by: str, over: Callable[[], bool]) -> None:
-        """Pause with the output at zero, until it is over and the experimenter agrees."""
+        """Pause with the output at zero until `over` and the experimenter agree."""
         self.mute(on=True)
         self._n_pauses += 1
         self.note("pause", text=by)
@@ -109,7 +110,7 @@ class Supervisor:
             self._obey(order)
 
     def stop(self, why: str, recorded: str = "") -> Stopped:
-        """Set the output to zero for good and return the exception to raise."""
+        """Set the output to zero permanently and return the exception to raise."""
         self.mute(on=True)
         self.note("stop", text=why)
         return Stopped(f"{why}; {SAFE}{recorded}")
@@ -130,7 +131,7 @@ class Supervisor:
                 self.terminal.tell(self.terminal.status_text)
             case "invalidate":
                 if self.last is None:
-                    self.terminal.tell("there is no recorded trial to invalidate")
+                    self.terminal.tell("no trial has been recorded yet, so none can be invalidated")
                 elif not self.last.valid:
                     self.terminal.tell(f"trial {self.last.trial} is already invalid")
                 else:
@@ -140,7 +141,7 @@ class Supervisor:
 
     def _repeat(self) -> None:
         if not self.under_way:
-            self.terminal.tell("there is no current trial to repeat")
+            self.terminal.tell("no trial is running, so none can be repeated")
             return
         self.repeat = True
         self.note("repeat", text=EXPERIMENTER)
@@ -148,14 +149,14 @@ class Supervisor:
 
     def _intervene(self, intervention: Intervention, words: str) -> None:
         if intervention in self._interventions:
-            self.terminal.tell(f"already noted: {WHEN}")
+            self.terminal.tell(f"already {WHEN}")
             return
         self._interventions += (intervention,)
         self.note("order", **order_facts(intervention))
         self.terminal.tell(words)
 
     def goes_on_with(self, trials: Sequence[Trial]) -> None:
-        """Take over the last trial and open interventions of an earlier sitting."""
+        """Restore the last trial and the pending orders of an earlier sitting."""
         self._recorded(trials)
         self._interventions = () if self.log is None else self.log.wanted
         for intervention in self._interventions:
@@ -181,7 +182,7 @@ class Supervisor:
 
 
 class TrialLog:
-    """Collects timing of the current trial; `supervisor` notes it, `facts` returns the devices' clocks."""
+    """Collector of the current trial's timing, which `supervisor` records."""
 
     def __init__(self, supervisor: Supervisor, screen: Display, facts: Callable[[], Mapping[str, Fact]]) -> None:
         self._supervisor, self._screen, self._facts = supervisor, screen, facts
@@ -196,11 +197,11 @@ class TrialLog:
         self._delays_s += [] if gate_delay_s is None else [gate_delay_s]
 
     def note_answer(self, at_s: float) -> None:
-        """Remember the last key or touch of an answer, on `time.perf_counter`."""
+        """Store the time of the last key or touch of an answer (`time.perf_counter`)."""
         self._answered_s = at_s
 
     def begin_trial(self, trial: Trial) -> None:
-        """Prepare for a row: of a new trial, of the same one, or of a separate questionnaire."""
+        """Prepare for the row of a new trial, the same trial, or a questionnaire."""
         self.finish_trial()
         if trial.is_form:
             self._screen.frame_intervals_s()

@@ -31,15 +31,15 @@ KEYS: Final[dict[str, Wish]] = {
     "?": "help",
 }
 WORDS: Final[dict[str, Wish]] = KEYS | {wish: wish for wish in KEYS.values()}
-OF_TRIALS: Final = "p pause   g go on   r repeat this trial   i invalidate the one before"
-OF_SESSION: Final = "k skip this block   b rest   e end in good order   n TEXT remark   s stop"
+OF_TRIALS: Final = "p pause   g go on   r repeat this trial   i invalidate the last trial"
+OF_SESSION: Final = "k skip this block   b rest   e end the session   n TEXT remark   s stop"
 HELP: Final = f"{OF_TRIALS}   (return)\n{OF_SESSION}"
-"""Help text in lines of fewer than 80 letters."""
+"""Help text, in lines shorter than 80 characters."""
 
 
 @dataclass(frozen=True)
 class Order:
-    """An order of the experimenter; `text` of a note."""
+    """Order of the experimenter. `text` is the text of a note."""
 
     wish: Wish
     text: str = ""
@@ -57,9 +57,10 @@ def order_of(line: str) -> Order:
 
 
 class ExperimenterTerminal:
-    """Reads orders from a terminal in a thread, and writes to it; silent without terminals.
+    """Reader of orders in a thread, and writer of messages.
 
-    `language` (two letters) is that of messages on touches and pauses.
+    Without terminals it prints and reads nothing. `language` (two letters) applies to messages on touches and
+    pauses.
     """
 
     def __init__(self, source: TextIO | None = None, output: TextIO | None = None, language: str = "en") -> None:
@@ -79,7 +80,7 @@ class ExperimenterTerminal:
                 self._lines.put(line.decode("utf-8", "replace"))
 
     def orders(self) -> list[Order]:
-        """Return the orders typed since the last call; answer other lines with a hint."""
+        """Return the orders typed since the last call. Answer other lines with a hint."""
         orders = []
         while not self._lines.empty():
             line = self._lines.get()
@@ -90,7 +91,7 @@ class ExperimenterTerminal:
         return orders
 
     def status(self, words: str) -> None:
-        """Set the session status, shown in a status area or on request."""
+        """Set the session status, displayed in a status area or on request."""
         self.status_text = words
 
     def add(self, words: str) -> None:
@@ -98,14 +99,17 @@ class ExperimenterTerminal:
         self._fresh_line = False
 
     def phrase(self, name: str, /, **values: str | float) -> str:
-        """Return a text in the language of this terminal, filled with `values`."""
+        """Return a text in this terminal's language, filled with `values`."""
         return self._phrases[name].format(**values)
 
     def say(self, phrase: str, /, **values: str | float) -> None:
         self.add(self.phrase(phrase, **values))
 
     def outcome(self, trial: Trial, n_announced: int) -> str:
-        """Say whether a trial counts, with its place in the table if that differs from the announced number."""
+        """Describe whether a trial counts.
+
+        States the trial's number in the table if it differs from the announced number.
+        """
         reason = trial.invalid_reason
         if trial.valid:
             said = self.phrase("valid")
@@ -133,12 +137,12 @@ class ExperimenterTerminal:
             return
         try:
             print(words, end="", file=self._output, flush=True)
-        except OSError:  # the terminal is gone, the session is not
+        except OSError:  # the terminal is gone, but the session goes on
             self._output = None
 
 
 def available(file: int) -> bytes:
-    """Return what can be read of a file number, as soon as there is some; nothing at its end."""
+    """Wait for input on a file descriptor and return it; empty at its end."""
     try:
         return os.read(file, 4096)
     except OSError:
@@ -146,7 +150,7 @@ def available(file: int) -> bytes:
 
 
 def status_words(progress: Progress, parts: Sequence[PartAhead]) -> str:
-    """Format the status line, the most important part first.
+    """Format the status line, most important part first.
 
     >>> status_words(Progress(), [PartAhead(n_trials=20, lasts_s=100.0)])
     'trial 1 of 20 · 2 min left · 0 false alarms of 0 · 0 frames dropped · 0 gaps'
@@ -176,7 +180,7 @@ def _track_words(progress: Progress) -> list[str]:
 
 
 class StatusLine:
-    """Follows a session and shows its status on a terminal."""
+    """Status of a session, followed and displayed on a terminal."""
 
     def __init__(self, terminal: ExperimenterTerminal, parts: Sequence[PartAhead]) -> None:
         self._terminal, self._parts, self._progress = terminal, parts, Progress()

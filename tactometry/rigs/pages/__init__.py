@@ -1,1 +1,1 @@
-"""Pages of the participant as values, and their presentation."""
+"""Pages for the participant as values, and their presentation."""

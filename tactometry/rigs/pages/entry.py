@@ -1,4 +1,4 @@
-"""A page on which a number is typed, by keys or by touch."""
+"""Page on which the participant types a number, with keys or by touch."""
 
 import math
 
@@ -22,19 +22,19 @@ BUTTONS = tuple(
 
 
 def value_of(typed: str, low: float, high: float | None) -> float | None:
-    """Return the typed number; None if it is none or out of range.
+    """Return the typed number, or None if it is invalid or out of range.
 
     >>> value_of("12.5", 0.0, None), value_of(".", 0.0, None), value_of("11", 0.0, 10.0)
     (12.5, None, None)
     """
-    if not typed.strip(POINT):  # nothing, or a point alone, which `float` refuses
+    if not typed.strip(POINT):  # empty, or only a decimal point, which `float` refuses
         return None
     value = float(typed)
     return value if low <= value <= (math.inf if high is None else high) else None
 
 
 def after(typed: str, answer: Answer, low: float, high: float | None) -> tuple[str, bool]:
-    """Return the text after a key, and whether it is confirmed.
+    """Return the text after a key press, and whether it is confirmed.
 
     >>> after("1", "2", 0.0, None), after("12", ERASE, 0.0, None), after("", layout.CONFIRM, 0.0, None)
     (('12', False), ('1', False), ('', False))
@@ -48,7 +48,7 @@ def after(typed: str, answer: Answer, low: float, high: float | None) -> tuple[s
 
 
 def entry_page(words: str, typed: str, hint: str, aspect: float, *, ready: bool) -> Page:
-    """Return a page with the question, the typed text, and keys to touch."""
+    """Return a page with the question, the typed text, and on-screen keys."""
     keys = [item for key in BUTTONS for item in (key.outline(EDGE), Text(str(key.answer), key.x, key.y, layout.BODY))]
     items = (
         layout.heading(words, 0.37, aspect),

@@ -1,4 +1,4 @@
-"""Questionnaire page with one row per question, editable until it is left."""
+"""Questionnaire page with a row per question, editable until it is left."""
 
 import time
 from collections.abc import Callable
@@ -12,17 +12,17 @@ from . import layout
 from .page import ACCENT, EDGE, GOOD, INK, QUIET, Answer, Box, Button, Item, Page, Slider, Text
 
 WORDS, WORDS_OF_WIDTH = 0.034, 0.02
-"""Height of letters, and its limit in screen widths, with which the longest SUS statement fits on one line."""
+"""Height of letters, and its limit in screen widths. The longest SUS statement then fits on one line."""
 TOP, BOTTOM = 0.37, -0.27
 """Upper and lower edge of the rows."""
 STEM_Y = 0.435
 N_POSITIONS_CONTINUOUS = 101
 MOST_DIGITS = 9
-"""Rows with more rings have no digit keys and fill the width of the page."""
+"""Rows with more positions have no digit keys and fill the width of the page."""
 NARROW = 0.62
-"""Largest length of a scale with its words at the sides."""
+"""Longest scale that has its end labels at the sides."""
 KEPT_EVERY_S = 0.2
-"""Interval at which fast changes of marks, as in a drag, are kept."""
+"""Interval at which rapid changes of a mark, for example during a drag, are recorded."""
 NEXT, BEFORE, BACK, OPEN = "next row", "row before", "page before", "leave open"
 FOOT_Y = -0.34
 CONFIRM_BUTTON = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0, FOOT_Y, 0.26, 0.08)
@@ -33,7 +33,10 @@ Values = tuple[float | None, ...]
 
 @dataclass(frozen=True)
 class Marks:
-    """Marks of a form, the row that gets the keys, whether gaps were pointed out, and whether to go back."""
+    """Answers on a form, and its state.
+
+    The state is the active row, whether unanswered rows were pointed out, and whether to go back.
+    """
 
     places: tuple[int | None, ...]
     row: int = 0
@@ -58,7 +61,7 @@ class Form:
 
     @cached_property
     def rows(self) -> tuple[tuple[str, str, str], ...]:
-        """Statement, left word and right word of each question."""
+        """Return statement, left label and right label of each question."""
         return tuple(map(self.texts.question, self.request.questions))
 
     @property
@@ -71,7 +74,7 @@ class Form:
 
     @property
     def wide(self) -> bool:
-        """True if a scale fills the width, with its words below its ends."""
+        """True if a scale fills the width, with its labels below its ends."""
         return self.n_positions > MOST_DIGITS
 
     @property
@@ -82,7 +85,7 @@ class Form:
         return "hint_fill_arrows" if self.wide else "hint_fill"
 
     def begun(self) -> Marks:
-        """Return the given marks, with the keys at the first open row."""
+        """Return the marks given so far, with the first unanswered row active."""
         request, last = self.request, self.n_positions - 1
         places: list[int | None] = [None] * len(request.questions)
         for row, value in enumerate(request.given):
@@ -92,14 +95,14 @@ class Form:
         return Marks(tuple(places), row=places.index(None) if None in places else 0)
 
     def values(self, marks: Marks) -> Values:
-        """Return the value of each mark; None where there is none."""
+        """Return the value of each mark, or None for an unanswered row."""
         n, low, high = self.n_positions, self.request.low, self.request.high
         return tuple(None if place is None else value_at(place, n, low, high) for place in marks.places)
 
 
 @dataclass
 class Keeping:
-    """Keeps the marks of a page as they change; called in each frame."""
+    """Recorder of marks as they change, called in each frame."""
 
     form: Form
     keep: Callable[[Marked], None]
@@ -119,7 +122,7 @@ class Keeping:
 def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
     """Return the marks after an answer, and whether the page is left.
 
-    Return leaves a complete page; a first attempt with open questions shows the box that leaves them open.
+    Return leaves a complete page. The first attempt with unanswered questions shows the box that leaves them open.
     """
     last = len(marks.places) - 1
     if isinstance(answer, tuple):
@@ -164,7 +167,7 @@ def form_page(form: Form, marks: Marks, aspect: float) -> Page:
 
 
 def _head(form: Form, aspect: float) -> list[Item]:
-    """Draw the stem above all questions, and the number of the page."""
+    """Draw the stem common to all questions, and the page number."""
     request, texts, width = form.request, form.texts, layout.MARGIN * aspect
     stem, items = texts.in_language(request.stem), list[Item]()
     if stem:
@@ -181,12 +184,12 @@ def scale_extent(form: Form, aspect: float) -> float:
 
 
 def scale_y(form: Form, row: int, y: float, pitch: float) -> float:
-    """Return the height of a scale in a row: below a statement, above digits or words."""
+    """Return the height of a scale in a row: below a statement, or above digits."""
     return y - 0.08 * pitch if form.rows[row][0] else y + 0.13 * pitch
 
 
 def _row(form: Form, row: int, y: float, pitch: float, aspect: float) -> list[Item]:
-    """Draw the statement and the words at the ends of a scale."""
+    """Draw the statement and the end labels of a scale."""
     statement, left, right = form.rows[row]
     width, length = layout.MARGIN * aspect, scale_extent(form, aspect)
     letters = min(WORDS, WORDS_OF_WIDTH * aspect)

@@ -1,4 +1,4 @@
-"""Layout of the participant's pages: pure functions that turn texts into a `Page`."""
+"""Layout of the participant's pages: functions that return a `Page`."""
 
 import unicodedata
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Di
 BODY, HEADING, HINT = 0.042, 0.056, 0.032
 """Letter heights, in screen heights."""
 MARGIN = 0.9
-"""Largest share of the screen's width that a page fills."""
+"""Largest part of the screen's width that a page fills."""
 LONGEST_NEXT_TO_BAR = 0.5
 WIDEST = 1.5
 """Largest width of a line of text."""
@@ -19,9 +19,9 @@ WIDEST = 1.5
 TALLEST = 0.4
 """Largest height of an image on a page of text."""
 LIST_TOP, LIST_HEIGHT, LEAST_ROWS = 0.28, 0.62, 6
-"""Top and height of a column of options, in screen heights, and the least number of rows that share the height."""
+"""Top and height of a column of options, in screen heights. The height is divided among at least `LEAST_ROWS` rows."""
 ELSEWHERE: Final = {"a": ("q",), "m": ("semicolon",), "q": ("a",), "w": ("z",), "y": ("z",), "z": ("y", "w")}
-"""US names of the keys that carry a letter on QWERTZ and AZERTY keyboards, if they differ."""
+"""US names of the keys for a letter on QWERTZ and AZERTY keyboards, if they differ."""
 CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
 FIRST, LAST = "first place", "last place"
@@ -35,9 +35,9 @@ CONFIRM_BUTTON = Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1)
 
 
 def shift(place: int | None, answer: Answer, n_places: int) -> int:
-    """Return the place after an arrow, Home or End, within the scale.
+    """Return the position on a scale after an arrow key, Home or End.
 
-    An arrow enters an unmarked scale from its own end, so that the page suggests no place.
+    On an unmarked scale an arrow starts at its own end of the scale, so that the page does not suggest an answer.
 
     >>> shift(None, RIGHT, 7), shift(None, LEFT, 7), shift(3, LEFT, 7), shift(3, LAST, 7)
     (0, 6, 2, 6)
@@ -59,7 +59,7 @@ def hint_line(words: str, aspect: float) -> Text:
 def message_page(
     words: str, hint: str, aspect: float, progress: float | None = None, image: PageImage | None = None
 ) -> Page:
-    """Return a page of text, left by space, return or a click.
+    """Return a page of text, left with space, Return or a click.
 
     `progress` (0..1) is drawn as a bar, an `image` below the heading.
     """
@@ -113,7 +113,7 @@ def question_page(words: str, options: Sequence[int], labels: Sequence[str], hin
 def _option_box(button: Button, label: str) -> list[Item]:
     x, width, key = button.x, button.width, button.keys[0].upper()
     box = button.outline(INK)
-    if label.upper() == key:  # a label that equals its key is shown once, large
+    if label.upper() == key:  # if the label is the key, show it once, in large letters
         return [box, Text(label, x, -0.06, 0.1, wrap_width=width)]
     words = Text(label, x, -0.02, HEADING, wrap_width=0.95 * width)
     return [box, words, Box(x, -0.125, 0.07, 0.07, line=QUIET), Text(key, x, -0.125, BODY, QUIET)]
@@ -135,7 +135,7 @@ def list_page(words: str, options: Sequence[int], labels: Sequence[str], hint: s
 
 
 def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return the keys of each option: the first letter of its label if unique on every keyboard, and its digit."""
+    """Return the keys of each option: its digit and, if unique, its initial."""
     letters = [_letter_keys(label) for label in labels]
     distinct = all(letters) and len({key for keys in letters for key in keys}) == sum(map(len, letters))
     digits = [(str(option), f"num_{option}") if 0 <= option <= 9 else () for option in options]
@@ -143,16 +143,17 @@ def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str
 
 
 def _letter_keys(label: str) -> tuple[str, ...]:
-    """Return the keys of a label's first letter; keys are named by their place on a US keyboard."""
+    """Return the keys of a label's first letter by their place on a US keyboard."""
     plain = unicodedata.normalize("NFKD", label).casefold()[:1]
     letter = plain if "a" <= plain <= "z" else ""
     return (letter, *ELSEWHERE.get(letter, ())) if letter else ()
 
 
 def marker_page(interval: int | None, *, playing: bool, words: str = "", why: str = "") -> Page:
-    """Return a ring with the interval's number, filled while a stimulus may be felt.
+    """Return a page with the interval's number in a ring.
 
-    `words` say what to do, `why` says why the last touch did not count.
+    The ring is filled while a stimulus may be felt. `words` is the instruction, and `why` the reason why the last
+    touch did not count.
     """
     fill, ink = (ACCENT, PAPER) if playing else (None, INK)
     number = [Text(str(interval), 0, 0, 0.16, ink)] if interval is not None else []
@@ -166,7 +167,7 @@ def waiting_page() -> Page:
 
 
 def force_page(page: Page, force_n: float | None, target_n: float, tolerance: float) -> Page:
-    """Add a bar that rises with the force; in the band it changes colour and gets a square."""
+    """Add a bar for the force, which changes colour within the force band."""
     held = force_n is not None and abs(force_n - target_n) <= tolerance * target_n
     x, bottom, full = 0.4, -0.3, 0.56
     scale = full / (2 * target_n)  # the target is at half of the bar's height
@@ -182,20 +183,21 @@ def force_page(page: Page, force_n: float | None, target_n: float, tolerance: fl
 
 
 def track_page(page: Page, cue: float, length: float, finger: float | None = None) -> Page:
-    """Add a track of `length` (screen heights) with a moving dot, and a ring for the finger.
+    """Add a track with a moving dot, and a ring for the finger.
 
-    `cue` and `finger` are places from -1 to 1. A short track lies next to the force bar, a long one below.
+    `length` is in screen heights. `cue` and `finger` are positions from -1 to 1. A short track is drawn next to the
+    force bar, a long one below it.
     """
     y = -0.23 if length <= LONGEST_NEXT_TO_BAR else -0.36
     moving = [Disc(cue * length / 2, y, 0.022, fill=ACCENT)]
     if finger is not None:
-        place = min(max(finger, -1.1), 1.1)  # clipped just past the end, so that it appears outside the track
+        place = min(max(finger, -1.1), 1.1)  # clipped just beyond the end, so that the finger appears outside the track
         moving.append(Disc(place * length / 2, y, 0.036, line=GOOD))
     return Page((Box(0, y, length, 0.006, fill=EDGE), *page.items, *moving), page.buttons)
 
 
 def sweep(phase: float) -> float:
-    """Return the place (-1..1) of a cue that moves to and fro at constant speed, one way per phase of 1.
+    """Return the position (-1..1) of a cue that moves to and fro at constant speed.
 
     >>> [sweep(phase) for phase in (0.0, 0.5, 1.0, 1.5, 2.0)]
     [-1.0, 0.0, 1.0, 0.0, -1.0]
@@ -204,7 +206,7 @@ def sweep(phase: float) -> float:
 
 
 def rings(places: Sequence[float], y: float, radius: float, mark: int | None) -> list[Item]:
-    """Draw a ring at each place of a line, one of them marked."""
+    """Draw a ring at each position of a line, one of them marked."""
     line = Box(0, y, places[-1] - places[0], 0.004, fill=EDGE)
     discs = [Disc(x, y, radius, fill=PAPER, line=INK) for x in places]
     dot = [] if mark is None else [Disc(places[mark], y, 0.7 * radius, fill=GOOD)]
@@ -212,13 +214,13 @@ def rings(places: Sequence[float], y: float, radius: float, mark: int | None) ->
 
 
 def confirm_box(button: Button, *, ready: bool = True) -> tuple[Item, Item]:
-    """Draw the confirmation box, faint while there is nothing to confirm."""
+    """Draw the confirmation box, faint while nothing can be confirmed."""
     ink = INK if ready else EDGE
     return button.outline(ink), Text("OK", button.x, button.y, BODY, ink)
 
 
 def adjust_page(words: str, hint: str, aspect: float) -> Page:
-    """Return a page with two arrows and a confirmation; the level is not shown."""
+    """Return a page with two arrows and a confirmation. The level is hidden."""
     up = Button(UP, ("up", "right"), 0.14, 0.02, 0.2, 0.16)
     down = Button(DOWN, ("down", "left"), -0.14, 0.02, 0.2, 0.16)
     items = (
@@ -234,7 +236,7 @@ def adjust_page(words: str, hint: str, aspect: float) -> Page:
 
 
 def steps_after(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
-    """Return the steps from the start after an answer, within the bounds, and whether it confirms.
+    """Return the clipped steps from the start, and whether they are confirmed.
 
     >>> request = Adjust("tone", start=5.0, step=2.0, low=0.0, high=6.0)
     >>> steps_after(request, 0, DOWN), steps_after(request, 0, UP), steps_after(request, -1, CONFIRM)

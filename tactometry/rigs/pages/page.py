@@ -1,7 +1,7 @@
-"""A page of the participant's screen as a value: items, buttons, and answers to events.
+"""Page of the participant's screen: items, buttons and answers to events.
 
-Lengths are in heights of the screen, with the origin in its middle and y upwards, so that a page looks the same on
-every sufficiently wide screen.
+Lengths are in screen heights, with the origin in the middle and y upwards. A page so looks the same on every
+sufficiently wide screen.
 """
 
 import time
@@ -12,7 +12,7 @@ from ...session.request import Facts
 from ..frame_timing import PERIOD_WITHOUT_BLANK_S
 
 Answer = int | str | tuple[int, int]
-"""Answer of a button: an option or a place, a name, or (row, place)."""
+"""Answer of a button: an option or position, a name, or (row, position)."""
 
 PAPER = "#0E1116"
 INK = "#F5F7FA"
@@ -24,7 +24,7 @@ GOOD = "#F0E442"
 
 @dataclass(frozen=True)
 class Text:
-    """Words around (x, y), `height` high, wrapped at `wrap_width`."""
+    """Text centred at (x, y), with letters of `height`, wrapped at `wrap_width`."""
 
     words: str
     x: float
@@ -37,7 +37,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Box:
-    """A rectangle around (x, y); `fill` or `line` None is not drawn."""
+    """Rectangle centred at (x, y). `fill` or `line` None is not drawn."""
 
     x: float
     y: float
@@ -49,7 +49,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Disc:
-    """A circle around (x, y); `fill` or `line` None is not drawn."""
+    """Circle centred at (x, y). `fill` or `line` None is not drawn."""
 
     x: float
     y: float
@@ -60,7 +60,7 @@ class Disc:
 
 @dataclass(frozen=True)
 class Picture:
-    """The image of a file around (x, y)."""
+    """Image of a file, centred at (x, y)."""
 
     path: str
     x: float
@@ -74,7 +74,7 @@ Item = Text | Box | Disc | Picture
 
 @dataclass(frozen=True)
 class KeyDown:
-    """A key that went down at `at_s` on `time.perf_counter`; `repeated` while it is held."""
+    """Key press at `at_s` (`time.perf_counter`); `repeated` while it is held."""
 
     name: str
     at_s: float
@@ -83,9 +83,9 @@ class KeyDown:
 
 @dataclass(frozen=True)
 class Click:
-    """A press of mouse button or finger at (x, y).
+    """Press of the mouse button or a finger at (x, y).
 
-    While it is held and moves it is `dragged`; y stays, so that it answers one row only.
+    It is `dragged` if it moves while held. Then y does not change, so that it answers one row only.
     """
 
     x: float
@@ -96,7 +96,7 @@ class Click:
 
 @dataclass(frozen=True)
 class Closed:
-    """The window was closed."""
+    """Closing of the window."""
 
     at_s: float
 
@@ -106,9 +106,9 @@ Input = KeyDown | Click | Closed
 
 @dataclass(frozen=True)
 class Button:
-    """Answers `answer` to one of the `keys`, or a click into the rectangle around (x, y).
+    """Button that returns `answer` for any of its `keys`, or for a click.
 
-    If it `repeats`, a held key answers again and again.
+    The click must be within the rectangle centred at (x, y). If it `repeats`, holding the key answers repeatedly.
     """
 
     answer: Answer
@@ -135,9 +135,10 @@ class Button:
 
 @dataclass(frozen=True)
 class Slider:
-    """Row of `n_places` in the rectangle around (x, y): a click or drag answers with the place that it hits.
+    """Row of `n_places` that answers a click or drag with the position hit.
 
-    A drag may leave the rectangle; beyond an end it gives the last place.
+    The row fills the rectangle centred at (x, y). A drag may leave the rectangle: beyond an end it selects the last
+    position.
 
     >>> slider = Slider(2, 4, x=0.0, y=0.0, width=1.0, height=0.2)
     >>> slider.answer_to(Click(0.3, 0.0, at_s=0.0)), slider.answer_to(Click(0.8, 0.0, at_s=0.0, dragged=True))
@@ -152,7 +153,7 @@ class Slider:
     height: float
 
     def answer_to(self, event: Input) -> Answer | None:
-        """Return the row and the place that an event answers."""
+        """Return the row and the position that an event selects."""
         if not isinstance(event, Click) or abs(event.y - self.y) >= self.height / 2:
             return None
         part = (event.x - self.x) / self.width + 0.5
@@ -163,39 +164,42 @@ class Slider:
 
 @dataclass(frozen=True)
 class Page:
-    """Items in drawing order, and buttons; the pointer is shown if there are buttons."""
+    """Items in drawing order, and buttons. The pointer is shown if there are any."""
 
     items: tuple[Item, ...] = ()
     buttons: tuple[Button | Slider, ...] = ()
 
     def answer(self, event: Input) -> Answer | None:
-        """Return the answer of the first button that takes `event`, or None."""
+        """Return the answer of the first button that `event` presses, or None."""
         answers = (button.answer_to(event) for button in self.buttons)
         return next((answer for answer in answers if answer is not None), None)
 
 
 class Display:
-    """Interface of a display with a keyboard; all times are on `time.perf_counter`, s.
+    """Interface of a display with keyboard. Times are on `time.perf_counter`, s.
 
-    This base class shows nothing and reports no input, as a console requires.
+    This base class shows nothing and reports no input, as the console needs.
     """
 
     @property
     def aspect(self) -> float:
-        """Width over height."""
+        """Ratio of width to height."""
         return 1.0
 
     def prepare(self, page: Page) -> None:
-        """Build what the page needs, so that its first frame is not delayed."""
+        """Prepare what the page needs, so that its first frame is not delayed."""
 
     def present(self, page: Page) -> float:
-        """Show a page for the first time; return the time of the flip."""
+        """Show a page for the first time and return the time of the flip."""
         del page
         return time.perf_counter()
 
     @property
     def offered_s(self) -> float:
-        """Time just before the current page became visible; later presses may answer it."""
+        """Return the time from which presses may answer the current page.
+
+        It is just before the page became visible.
+        """
         return 0.0
 
     def refresh(self, page: Page) -> float:
@@ -203,7 +207,7 @@ class Display:
         return self.present(page)
 
     def events(self) -> tuple[Input, ...]:
-        """Return new inputs since the last call, in order."""
+        """Return the inputs since the last call, in order."""
         return ()
 
     def give_back(self) -> None:
@@ -222,7 +226,7 @@ class Display:
         return []
 
     def clock_offset_s(self) -> float:
-        """Return our clock minus that of the keyboard."""
+        """Return our clock minus the clock of the keyboard."""
         return 0.0
 
     def close(self) -> None:

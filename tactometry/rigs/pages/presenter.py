@@ -1,4 +1,4 @@
-"""Presentation of pages: frames, and answers that change what is shown."""
+"""Presentation of pages: frames, and answers that change the page."""
 
 import time
 from collections.abc import Callable
@@ -10,7 +10,7 @@ S = TypeVar("S")
 Dress = Callable[[Page, float], Page]
 """Function that adds items to a page at a time (s on `time.perf_counter`)."""
 Attend = Callable[[tuple[Input, ...]], bool]
-"""Handler of the inputs of a frame and of commands; returns True if the session was paused."""
+"""Handler of the inputs of a frame and of orders. Returns True if the session was paused."""
 
 
 CLOSED = "the window was closed"
@@ -22,7 +22,7 @@ def as_it_is(page: Page, now_s: float) -> Page:
 
 
 def reason_to_end(events: tuple[Input, ...]) -> str | None:
-    """Return why events end a session: Escape, or a closed window.
+    """Return why events end a session: Escape or a closed window.
 
     >>> reason_to_end((KeyDown("y", 1.0), Closed(2.0))), reason_to_end((KeyDown("escape", 1.0),)), reason_to_end(())
     ('the window was closed', 'Escape was pressed', None)
@@ -36,7 +36,7 @@ def reason_to_end(events: tuple[Input, ...]) -> str | None:
 
 
 def linger(screen: Display, page: Page, longest_s: float) -> None:
-    """Show a last page until an input, or for `longest_s`."""
+    """Show a final page until an input, or for `longest_s`."""
     shown_s = screen.present(page)
     while time.perf_counter() < shown_s + longest_s and not any(
         event.at_s > screen.offered_s for event in screen.events()
@@ -45,7 +45,7 @@ def linger(screen: Display, page: Page, longest_s: float) -> None:
 
 
 class Presenter:
-    """Shows pages on a screen; in each frame `attend` may stop or pause the session.
+    """Presenter of pages. In each frame `attend` may stop or pause the session.
 
     `paused_until_s` is the end of the last pause on `time.perf_counter`.
     """
@@ -56,14 +56,14 @@ class Presenter:
         self._attend = attend
 
     def frame(self, page: Page) -> None:
-        """Show one more frame; inputs other than Escape are discarded."""
+        """Show one frame. Inputs other than Escape are discarded."""
         self.screen.refresh(page)
         self._events()
 
     def hold(
         self, end_s: float, page: Page, dress: Dress = as_it_is, each_frame: Callable[[], None] = lambda: None
     ) -> None:
-        """Show frames until `end_s`; a pause extends it."""
+        """Show frames until `end_s`. A pause extends the time."""
         while (now_s := time.perf_counter()) < end_s:
             each_frame()
             self.frame(dress(page, now_s))
@@ -77,10 +77,11 @@ class Presenter:
         after: Callable[[S, Answer], tuple[S, bool]],
         each_frame: Callable[[S], None] = lambda state: None,
     ) -> tuple[S, float, float]:
-        """Show the view of a state that answers change, until one confirms it; return state, onset and end.
+        """Show a page until it is confirmed; return state, onset and end.
 
-        Presses before the page is visible are ignored; those between visibility and the onset stamp count at the onset.
-        After a pause the page is presented again, with a new onset.
+        Answers change the state, and `view` returns its page. Presses before the page is visible are ignored. A
+        press between its first visibility and the onset stamp counts at the onset. After a pause the page is shown
+        again, with a new onset.
         """
         page = view(state)
         onset_s = self.screen.present(page)
@@ -93,7 +94,7 @@ class Presenter:
                     if settled:
                         return state, onset_s, max(event.at_s, onset_s)
                     page = view(state)
-            if self.paused_until_s > onset_s:  # discard answers from before the pause, and its duration
+            if self.paused_until_s > onset_s:  # discard answers from before the pause, and exclude its duration
                 onset_s = self.screen.present(page)
             self.screen.refresh(page)
 

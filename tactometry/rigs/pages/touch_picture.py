@@ -1,4 +1,4 @@
-"""A small, numbered picture of the screen during a touch, with a legend."""
+"""Small, numbered picture of the screen during a touch, with a legend."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -8,7 +8,7 @@ from . import layout
 from .page import GOOD, Disc, Item, Page, Text
 
 SCALE: Final = 0.55
-"""Scale of the picture, so small that its circle is not mistaken for that of a touch."""
+"""Scale of the picture. It is small, so that nobody mistakes its circle for the circle of a real touch."""
 PLACES: Final[Mapping[str, tuple[float, float]]] = {
     "circle": (-0.2, 0.13),
     "bar": (0.4, 0.33),
@@ -20,7 +20,7 @@ LENGTH, CUE, FINGER = 0.42, 0.5, -0.33
 
 
 def parts_of(*, slides: bool, force: bool, place: bool) -> tuple[str, ...]:
-    """Return the parts that a touch shows.
+    """Return the parts of the screen that are visible during a touch.
 
     >>> parts_of(slides=True, force=False, place=True)
     ('circle', 'dot', 'ring')
@@ -30,7 +30,7 @@ def parts_of(*, slides: bool, force: bool, place: bool) -> tuple[str, ...]:
 
 
 def picture_page(words: str, meanings: Mapping[str, str], hint: str, aspect: float) -> Page:
-    """Return a page with the picture on the left and the meaning of each part on the right."""
+    """Return a page with the picture on the left and its legend on the right."""
     message = layout.message_page("", hint, aspect)
     numbers = [Text(str(n), *PLACES[part], layout.BODY / SCALE) for n, part in enumerate(meanings, 1)]
     page = layout.marker_page(None, playing=True)

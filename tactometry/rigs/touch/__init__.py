@@ -1,1 +1,1 @@
-"""Touches on the bench: gated samples, and decisions in sensor threads."""
+"""Touches on the bench: gating of samples, and decisions in sensor threads."""

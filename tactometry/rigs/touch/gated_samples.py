@@ -1,4 +1,4 @@
-"""Force and motion of the finger during and between touches, gated and evaluated."""
+"""Gates for the finger's force and motion during and between touches."""
 
 import math
 import threading
@@ -18,19 +18,23 @@ from ..touch_validity import fault_of_speed
 G = TypeVar("G", ForceGate, SpeedGate)
 
 SILENT_S = 0.1
-"""A sensor that is silent for longer is lost."""
+"""A sensor is lost if it is silent for longer than this."""
 AWAY_PART = 0.1
-"""Below this part of the target force the finger has left (unverified default)."""
+"""Below this fraction of the target force the finger has left (unverified default)."""
 MOVING_S = 0.1
-"""Time for which a speed must be held before a stimulus; a turn of a fast finger is shorter (unverified default)."""
+"""Duration for which the speed must stay in its band before a stimulus. It exceeds the turn of a fast finger
+(unverified default)."""
 HALT_S = 0.15
-"""A finger outside its speed band for longer has stopped; a turn is shorter (unverified default)."""
+"""A finger outside its speed band for longer has stopped. It exceeds the duration of a turn (unverified default)."""
 DEAF_S = 0.5
-"""A sensor thread that sends no blocks for longer, not even empty ones, is held up (unverified default)."""
+"""A sensor thread that sends no blocks for longer, not even empty ones, is blocked (unverified default)."""
 
 
 class Trace:
-    """Collects sample blocks in one thread for another; `last_s` is the last stamp, `last` its value."""
+    """Sample blocks, collected in one thread and read in another.
+
+    `last_s` is the last time stamp, `last` its value.
+    """
 
     def __init__(self) -> None:
         self._blocks: list[tuple[FloatArray, FloatArray]] = []
@@ -44,21 +48,27 @@ class Trace:
         if times_s.size:
             self._blocks.append((times_s, values))
             self.last_s, self.last = float(times_s[-1]), values[-1]
-            self._taken_s = min(now_s, self.last_s)  # a stamp may be ahead by an error of the clock offset
+            self._taken_s = min(now_s, self.last_s)  # an error of the clock offset may put a stamp in the future
         self._told_s = now_s
         self._silent_s = 0.0 if times_s.size else now_s - self._taken_s
 
     def quiet(self, longest_s: float) -> bool:
-        """Return True if nothing is known of the last `longest_s`; what waits in a held-up process does not count."""
+        """Return True if the sensor sent no samples for `longest_s`.
+
+        Time in which the process was blocked, so that samples waited, is not counted.
+        """
         return self._silent_s > longest_s or time.perf_counter() - self._told_s > DEAF_S
 
     @property
     def age_s(self) -> float:
-        """Age of the last sample, or of the trace."""
+        """Age of the last sample, or of the trace if it is empty."""
         return time.perf_counter() - self._taken_s
 
     def between(self, begin_s: float, end_s: float) -> tuple[FloatArray, FloatArray]:
-        """Return times and values of finite samples of an interval; none if a stamp goes back."""
+        """Return times and values of the finite samples in an interval.
+
+        Returns none if a time stamp decreases.
+        """
         blocks = self._blocks.copy()  # copied, as the sensor's thread may add blocks
         if not blocks:
             return np.empty(0), np.empty(0)
@@ -69,32 +79,36 @@ class Trace:
         return (times_s[kept], values[kept]) if sound else (times_s[:0], values[:0])
 
     def mean_speed_m_per_s(self, begin_s: float, end_s: float) -> float | None:
-        """Return the mean speed of positions; None if not measured."""
+        """Return the mean speed of the positions, or None if not measured."""
         times_s, positions_m = self.between(begin_s, end_s)
         return mean_speed_m_per_s(times_s, positions_m) if times_s.size else None
 
 
 class GatedSamples(ABC, Generic[G]):
-    """Passes the samples of one touch through a gate; `opened_s` is the stamp that opened it."""
+    """Samples of one touch, passed through a gate.
+
+    `opened_s` is the time stamp that opened the gate.
+    """
 
     def __init__(self, gate: G) -> None:
         self.gate: G = gate
-        """The gate after the last sample."""
+        """Gate after the last sample."""
         self.opened_s: float | None = None
         self._trace, self._heard_s = Trace(), time.perf_counter()
         self._good_s: float | None = None
 
     @property
     def open(self) -> bool:
-        """True if the condition lasted long enough, by the sensor's stamps and by our clock.
+        """Return True if the condition lasted long enough by both clocks.
 
-        By our clock, samples that waited and came at once count from now. Requiring both may decide late, never early.
+        The clocks are the sensor's time stamps and our own clock, which counts delayed samples from their arrival.
+        Requiring both may make the decision late, but never early.
         """
         return self.gate.open and time.perf_counter() - self._heard_s >= self.gate.hold_s
 
     @abstractmethod
     def _is_good(self, value: float) -> bool:
-        """Return True if playing may go on after this sample."""
+        """Return True if playback may continue after this sample."""
 
     def on_samples(self, times_s: FloatArray, values: FloatArray) -> None:
         self._trace.on_samples(times_s, values)
@@ -106,7 +120,7 @@ class GatedSamples(ABC, Generic[G]):
             if self.gate.open and not before.open:
                 self.opened_s = time_s
             if self._is_good(value) or self._good_s is None:
-                self._good_s = time_s  # the time also counts from a first sample that is not good
+                self._good_s = time_s  # a first sample that is not good also starts the time
 
     def _is_bad_for(self, longest_s: float) -> bool:
         last_s, good_s = self._trace.last_s, self._good_s
@@ -114,17 +128,17 @@ class GatedSamples(ABC, Generic[G]):
 
 
 class AppliedForce(GatedSamples[ForceGate]):
-    """Force of the finger; above `force_peak_n` playing stops."""
+    """Force of the finger. Above `force_peak_n` playback stops."""
 
     def __init__(self, gate: ForceGate, force_peak_n: float = FORCE_PEAK_N) -> None:
         super().__init__(gate)
         self._force_peak_n = force_peak_n
         self.force_n: float | None = None
-        """The last force, N; None before the first sample and after a lost one."""
+        """Last force, N; None before the first sample and after a lost one."""
 
     @property
     def open(self) -> bool:
-        """True if the force was held long enough by both clocks, and is current."""
+        """Return True if the force was held long enough and is current."""
         return super().open and self._trace.age_s <= SILENT_S
 
     def _is_good(self, value: float) -> bool:
@@ -133,12 +147,12 @@ class AppliedForce(GatedSamples[ForceGate]):
 
     @property
     def silent(self) -> bool:
-        """True if the sensor sends nothing, or only lost samples."""
+        """Return True if the sensor sends nothing, or only lost samples."""
         return self._is_bad_for(SILENT_S) or self._trace.quiet(SILENT_S)
 
     @property
     def loss(self) -> Reason | None:
-        """Why playing must stop: silent sensor, lifted finger, or excessive force; None if it may go on."""
+        """Return why playback must stop (sensor, finger or force), or None."""
         force_n = self.force_n
         if self.silent:
             return "sensor_lost"
@@ -149,25 +163,25 @@ class AppliedForce(GatedSamples[ForceGate]):
         return "lifted" if force_n < AWAY_PART * self.gate.target_n else None
 
     def compliance(self, begin_s: float, end_s: float) -> Compliance | None:
-        """Return how well the force was kept; None without samples or if stamps go back."""
+        """Return how well the force was kept, or None without valid samples."""
         times_s, forces_n = self._trace.between(begin_s, end_s)
         return compliance(times_s, forces_n, self.gate.target_n, self.gate.tolerance) if times_s.size else None
 
 
 class FingerMotion(GatedSamples[SpeedGate]):
-    """Motion of the finger along the sensor's first axis."""
+    """Motion of the finger along the first axis of the position sensor."""
 
     def _is_good(self, value: float) -> bool:
         return self.gate.moving
 
     @property
     def silent(self) -> bool:
-        """True if the sensor sends no position, or only lost ones."""
+        """Return True if the sensor sends no position, or only lost ones."""
         return self._trace.quiet(HALT_S) or self.gate.speed_m_per_s is None
 
     @property
     def loss(self) -> Reason | None:
-        """Why playing must stop: speed out of band, or silent sensor; None if it may go on."""
+        """Return why playback must stop (speed or sensor), or None."""
         if self._trace.quiet(HALT_S):
             return "sensor_lost"
         if not self._is_bad_for(HALT_S):
@@ -176,9 +190,9 @@ class FingerMotion(GatedSamples[SpeedGate]):
         return "sensor_lost" if speed_m_per_s is None else fault_of_speed(speed_m_per_s, self.gate.target_m_per_s)
 
     def motion(self, begin_s: float, end_s: float) -> SpeedCompliance | None:
-        """Return how well the speed was kept; None if it was not measured."""
+        """Return how well the speed was kept, or None if it was not measured."""
         times_s, positions_m = self._trace.between(begin_s, end_s)
-        if times_s.size < 2 or np.any(np.diff(times_s) == 0):  # two positions at one time have no speed
+        if times_s.size < 2 or np.any(np.diff(times_s) == 0):  # two positions with the same time stamp have no speed
             return None
         return motion(times_s, positions_m[:, 0], self.gate.target_m_per_s, self.gate.tolerance)
 
@@ -186,7 +200,8 @@ class FingerMotion(GatedSamples[SpeedGate]):
 class Release:
     """Check that the force left its band between touches.
 
-    A stuck sensor never does. The force is received continuously; if not `needed`, `happened` is always true.
+    With a stuck sensor it never does. The force is received continuously. If the check is not `needed`, `happened`
+    is always true.
     """
 
     def __init__(self, *, needed: bool = True) -> None:
@@ -202,7 +217,7 @@ class Release:
             self._high_n = max(self._high_n, *known_n, -math.inf)
 
     def begin(self) -> None:
-        """Forget the force so far, as a touch is over."""
+        """Discard the force so far, because a touch is over."""
         with self._lock:
             self._low_n, self._high_n = math.inf, -math.inf
 

@@ -30,7 +30,7 @@ TOLD_EVERY_S = 1.0
 
 
 def moving_cue(request: Slide, display_height_m: float, places: Trace) -> Dress:
-    """Add a cue that moves along the path of a slide at its speed, and the measured finger."""
+    """Add a cue that moves like the requested slide, and the measured finger."""
     begin_s = time.perf_counter()
     length = request.length_m / display_height_m
 
@@ -44,7 +44,7 @@ def moving_cue(request: Slide, display_height_m: float, places: Trace) -> Dress:
 
 
 class Held:
-    """Sensor state of one held touch: force, and speed if gated."""
+    """State of the sensors during a touch: force, and speed if gated."""
 
     def __init__(
         self,
@@ -58,7 +58,7 @@ class Held:
         self.release = Release(needed=False) if release is None else release
         self.finger_motion: FingerMotion | None = None
         self.let_through_s = 0.0
-        """The stamp of the sample that opened the last gate when the stimulus began."""
+        """Time stamp of the sample that opened the last gate when the stimulus began."""
         self.loss: Reason | None = None
         if moving and isinstance(request, Slide) and request.speed_tolerance is not None:
             self.finger_motion = FingerMotion(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
@@ -78,30 +78,34 @@ class Held:
 
     @property
     def missed(self) -> Reason:
-        """Reason for a timeout; a missing position while the force is held counts as a lost sensor."""
+        """Return the reason for a timeout.
+
+        A missing position while the force is in its band counts as a lost sensor.
+        """
         placeless = self.finger_motion is not None and self.finger_motion.silent and self.applied_force.gate.open
         return "sensor_lost" if placeless else "timeout"
 
     def fire(self, fire: Callable[[], float | None]) -> float | None:
-        """Begin to play and remember the stamp that opened the gate."""
+        """Begin playback and store the time stamp that opened the gate."""
         self.let_through_s = self.opened_s
         return fire()
 
     def breaks(self) -> bool:
-        """Return True if playing must stop; `loss` is the reason."""
+        """Return True if playback must stop, and set `loss` to the reason."""
         self.loss = next((samples.loss for samples in self._gated if samples.loss), None)
         return self.loss is not None
 
     def delay_s(self, decided_s: float) -> float:
-        """Return the time from the sample that opened the gate to the decision, at least 0."""
+        """Return the time from the sample that opened the gate to the decision."""
         return max(0.0, decided_s - self.let_through_s)
 
 
 @dataclass(frozen=True)
 class TouchRun:
-    """Carries out a request to press or slide; `places` receives positions, `why` explains the last invalid touch.
+    """Procedure that carries out a request to press or slide.
 
-    A stimulus is cut short by a pause or by the sensors.
+    `places` receives the positions. `why` is the message that explains why the last touch was invalid. A pause or
+    the sensors may cut a stimulus short.
     """
 
     request: Press | Slide
@@ -113,7 +117,7 @@ class TouchRun:
     why: str = ""
 
     def carry_out(self, signal: Signal | None) -> tuple[Touched, float | None]:
-        """Carry out the touch; return the answer (onset on `time.perf_counter`) and the gate's delay, s."""
+        """Return the answer (onset on `time.perf_counter`) and the gate's delay, s."""
         sensor = self.setup.sensor
         with receiving(self.setup.position, self.places.on_samples):
             touched, delay_s = (
@@ -123,7 +127,7 @@ class TouchRun:
         return replace(touched, speed_mean_m_per_s=None if speed is None else round(speed, 6)), delay_s
 
     def _play_ungated(self, signal: Signal | None) -> Touched:
-        """Show when to be ready for `hold_s`, then play without a force condition."""
+        """Announce the stimulus for `hold_s`, then play it without a force condition."""
         ready, playing = (
             layout.marker_page(self.request.interval, playing=on, words=self.words, why="" if on else self.why)
             for on in (False, True)
@@ -158,10 +162,10 @@ class TouchRun:
         )
 
     def _positions_digest(self, onset_s: float, path: PlayedPath) -> str:
-        """Keep the positions that a texture followed, and return their digest."""
+        """Store the positions that a texture followed and return their digest."""
         begin_s = onset_s - path.latency_s
         times_s, positions_m = self.places.between(begin_s - HELD_S, begin_s + path.signal.duration_s)
-        new = np.diff(times_s, prepend=-np.inf) > 0  # the first sample of each stamp, as the texture used it
+        new = np.diff(times_s, prepend=-np.inf) > 0  # the first sample of each time stamp, as the texture used it
         along_m = positions_m[:, 0] if positions_m.ndim == 2 else positions_m
         lines = path_lines(times_s[new] - begin_s, along_m[new])
         digest = digest_of(lines)
@@ -169,9 +173,10 @@ class TouchRun:
         return digest
 
     def _play_gated(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
-        """Play once the force is held in motion; stop when the finger stops or leaves, or a sensor is lost.
+        """Play once the force and motion of the finger are in their bands.
 
-        The sensors' threads decide; this thread only draws.
+        Playback stops when the finger stops or leaves, or a sensor is lost. The sensors' threads decide this; this
+        thread only draws.
         """
         setup, moving = self.setup, self.setup.position is not None
         held = Held(self.request, moving=moving, force_peak_n=setup.force_peak_n, release=setup.release)
@@ -188,7 +193,7 @@ class TouchRun:
                 last_first.enter_context(
                     receiving(self.setup.position, held.finger_motion.on_samples, trigger.consider)
                 )
-            last_first.callback(trigger.disarm)  # runs first on any exit, so that nothing fires afterwards
+            last_first.callback(trigger.disarm)  # disarmed first on any exit, so that nothing starts afterwards
             begun = self._await_begin(held, trigger, sensor)
             if begun is None:
                 self.setup.say("not_played")
@@ -205,9 +210,10 @@ class TouchRun:
         return touched, held.delay_s(decided_s)
 
     def _await_begin(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
-        """Show the force until the stimulus begins; return decision time and onset, or None after a timeout.
+        """Show the force until the stimulus begins.
 
-        A silent sensor pauses the session; pauses do not count.
+        Returns decision time and onset, or None after a timeout. A silent sensor pauses the session; pauses do not
+        count.
         """
         begin_s = said_s = self._present(self._bar(held, playing=False))
         while trigger.begun is None:
@@ -218,10 +224,13 @@ class TouchRun:
                 trigger.disarm()
                 break
             self._frame(held, playing=False)
-        return trigger.begun  # read after disarming, as it may have fired just before
+        return trigger.begun  # read after disarming, as the stimulus may have begun just before
 
     def _silence(self, held: Held, sensor: StreamedSensor) -> str | None:
-        """Describe a silent sensor; a position sensor counts only if it failed, as a lifted finger has no position."""
+        """Describe a silent sensor.
+
+        A position sensor is silent only if it failed, because a lifted finger has no position.
+        """
         if held.applied_force.silent:
             return silence(sensor)
         position = self.setup.position
@@ -229,7 +238,7 @@ class TouchRun:
         return None if failure is None else f"the position sensor is silent ({failure})"
 
     def _tell_force(self, held: Held, said_s: float) -> float:
-        """Print the force for the experimenter about once a second; return when it was printed last."""
+        """Print the force about once a second and return the time of the last print."""
         now_s, force_n = time.perf_counter(), held.applied_force.force_n
         if now_s < said_s + TOLD_EVERY_S or force_n is None:
             return said_s
@@ -237,7 +246,7 @@ class TouchRun:
         return now_s
 
     def _interruption(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:
-        """Show the force while the stimulus plays; return what cut it short, or None."""
+        """Show the force during playback; return what cut it short, or None."""
         self._present(self._bar(held, playing=True))
         while time.perf_counter() < onset_s + self.request.duration_s:
             trigger.consider()
@@ -274,7 +283,7 @@ class TouchRun:
 
 
 class ConcurrentPlay:
-    """Plays while other code draws, supervised by the force sensor.
+    """Playback while other code draws, supervised by the force sensor.
 
     - `signal`: None for a blank.
     - `give_back`: Returns the screen after the page of a pause.
@@ -288,11 +297,14 @@ class ConcurrentPlay:
 
     @property
     def cut(self) -> bool:
-        """True if a pause cut it short; nothing plays again by itself."""
+        """True if a pause cut the stimulus short. Nothing is then played again."""
         return self._setup.presenter.paused_until_s > self._onset_s
 
     def look(self) -> bool:
-        """Supervise in each frame; return True while it plays. Silence and excessive force pause the session."""
+        """Supervise one frame and return True while the stimulus plays.
+
+        A silent sensor or excessive force pauses the session.
+        """
         try:
             self._look()
         finally:
@@ -300,7 +312,7 @@ class ConcurrentPlay:
         return not self.cut and time.perf_counter() < self._onset_s + self._request.duration_s
 
     def end(self) -> Played:
-        """Stop; return what was played (onset on `time.perf_counter`)."""
+        """Stop and return what was played (onset on `time.perf_counter`)."""
         emitter = self._setup.emitter
         n_gaps = emitter.n_gaps(self._signal)
         emitter.stop()

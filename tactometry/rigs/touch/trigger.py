@@ -1,4 +1,4 @@
-"""Start and stop the stimulus from the sensor threads, independently of the display."""
+"""Start and stop of the stimulus in the sensor threads, independent of the display."""
 
 import sys
 import threading
@@ -11,14 +11,14 @@ from ...devices.sensors.streamed import OnSamples, StreamedSensor
 from ...signal import FloatArray
 
 TURN_S = 0.002
-"""Thread switch interval while a decision is awaited; Python's default is 5 ms."""
+"""Thread switch interval until the decision; Python's default is 5 ms."""
 
 
 class Trigger:
-    """Fires once when `opens` is True, and stops it when `breaks` is True.
+    """Trigger that fires once when `opens` is true and stops when `breaks` is.
 
-    `consider` is called from any thread after each block of samples and never waits for another call. `fire` returns
-    the onset on `time.perf_counter`, s, or None if it may not play now.
+    Any thread calls `consider` after each block of samples. The call never waits for another one. `fire` returns the
+    onset on `time.perf_counter`, s, or None if playback is not allowed now.
     """
 
     def __init__(
@@ -37,13 +37,13 @@ class Trigger:
 
     @property
     def begun(self) -> tuple[float, float] | None:
-        """Decision time and onset, or None. Raises errors of `fire` and `stop`."""
+        """Return decision time and onset, or None. Raises errors of `fire` and `stop`."""
         self._raise_failure()
         return self._begun
 
     @property
     def broken(self) -> bool:
-        """True if it stopped what it fired. Raises as `begun`."""
+        """Return True if the stimulus was stopped. Raises like `begun`."""
         self._raise_failure()
         return self._broken
 
@@ -63,7 +63,7 @@ class Trigger:
 
     def _begin(self) -> None:
         if self._opens():
-            decided_s = time.perf_counter()  # before the output begins: `delay_s` excludes it
+            decided_s = time.perf_counter()  # read before the output begins, so that `delay_s` excludes its start
             onset_s = self._fire()
             if onset_s is not None:
                 self._begun, self._step = (decided_s, onset_s), self._watch
@@ -74,16 +74,16 @@ class Trigger:
             self._stop()
 
     def disarm(self, longest_s: float = BEGIN_WITHIN_S) -> None:
-        """Neither fire nor stop any more; wait for a call under way, at most `longest_s`."""
+        """Disable the trigger; wait for a running call, at most `longest_s`."""
         is_free = self._lock.acquire(timeout=longest_s)
-        self._step = None  # even without the lock: a step that hangs has fired already
+        self._step = None  # even without the lock: a call that hangs has already fired
         if is_free:
             self._lock.release()
 
 
 @contextmanager
 def quick_turns() -> Iterator[None]:
-    """Switch threads every `TURN_S`, so that drawing does not delay sensor threads."""
+    """Switch threads every `TURN_S`, so that drawing does not delay sensors."""
     usual_s = sys.getswitchinterval()
     sys.setswitchinterval(min(TURN_S, usual_s))
     try:
@@ -96,7 +96,7 @@ def quick_turns() -> Iterator[None]:
 def receiving(
     sensor: StreamedSensor | None, on_samples: OnSamples, then: Callable[[], None] = lambda: None
 ) -> Iterator[None]:
-    """Pass samples to `on_samples`, then call `then`, in the sensor's thread until the body ends."""
+    """Pass samples to `on_samples` and call `then`, in the sensor's thread."""
     if sensor is None:
         yield
         return

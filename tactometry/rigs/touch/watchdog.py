@@ -1,4 +1,4 @@
-"""Set-up of touches, and supervision of stimuli that play without a force gate."""
+"""Devices for touches, and supervision of stimuli without a force gate."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -28,9 +28,9 @@ Pause = Callable[[str, Callable[[], bool]], None]
 class TouchSetup:
     """Screen, output and sensors of a rig.
 
-    - `say`: Prints a phrase with values for the experimenter.
-    - `force_peak_n`: Above it nothing plays.
-    - `keep_path`: Keeps the positions that a texture followed.
+    - `say`: Prints a phrase, filled in with values, for the experimenter.
+    - `force_peak_n`: Force above which nothing plays.
+    - `keep_path`: Stores the positions that a texture followed.
     """
 
     presenter: Presenter
@@ -52,9 +52,10 @@ def silence(sensor: StreamedSensor | None) -> str:
 
 @contextmanager
 def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
-    """Stop the output from the sensor's thread if the sensor is silent or the force too high.
+    """Stop the output if the sensor is silent or the force too high.
 
-    Yields a function for each frame, which then pauses the session until both are over.
+    This is done in the sensor's thread. Yields a function to call in each frame, which pauses the session until the
+    fault is over.
     """
     sensor, force_peak_n = setup.sensor, setup.force_peak_n
     trace, lost, force_n = Trace(), False, 0.0
@@ -80,7 +81,7 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
         nonlocal lost
         if sensor is not None:
             consider()
-        if lost:  # detected in the sensor's thread, but pauses run in the screen's; it may be over by now
+        if lost:  # detected in the sensor's thread, paused in the screen's; the fault may be over by now
             setup.pause(wrong() or SILENT, lambda: wrong() is None)
             lost = False
 
@@ -89,7 +90,7 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
 
 
 def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | None) -> Played:
-    """Play under a watchdog, again after a pause; the onset is on `time.perf_counter`."""
+    """Play under a watchdog, and play again after a pause."""
     presenter, emitter = setup.presenter, setup.emitter
     begin_s = presenter.screen.present(page)
     with watchdog(setup) as look:
@@ -97,7 +98,7 @@ def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | N
             onset_s = emitter.emit(signal)
             presenter.hold(onset_s + request.duration_s, page, each_frame=look)
             look()  # include events since the last frame
-            if presenter.paused_until_s < begin_s:  # not paused since it began
+            if presenter.paused_until_s < begin_s:  # not paused since the stimulus began
                 break
             begin_s = presenter.screen.present(page)
     digest = emitter.digest(signal) or ""
@@ -105,7 +106,7 @@ def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | N
 
 
 class RepeatedStimulus:
-    """Plays a level again and again; a new level begins at once. Calls `look` each time."""
+    """Playback of one level again and again, calling `look` each time."""
 
     def __init__(self, request: Adjust, emitter: Emitter, look: Callable[[], None]) -> None:
         self._request, self._emitter, self._look = request, emitter, look
@@ -125,6 +126,6 @@ class RepeatedStimulus:
         self._end_s = self._emitter.emit(signal) + signal.duration_s
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Return gaps in all that was played; None if the output cannot tell."""
+        """Return the gaps in all that was played, or None if they are unknown."""
         now = self._emitter.n_gaps(self._signal, longest_wait_s)
         return self._n_before if now is None else (self._n_before or 0) + now

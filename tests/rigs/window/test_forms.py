@@ -163,7 +163,7 @@ def test_timed_page_closes_itself(bench):
 
 def test_questionnaire_without_session_language_is_refused(bench, watched, output):
     italian = Bench(watched, Equipment(output, {}), replace(texts_in("en", {}), language="it"))
-    with pytest.raises(InvalidParameter, match="item 'ATT1': found no words in 'it', expected one of"):
+    with pytest.raises(InvalidParameter, match="item 'ATT1': found no texts in 'it', expected texts in one of"):
         italian.answer(PAGE)
 
 

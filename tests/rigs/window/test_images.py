@@ -53,7 +53,7 @@ def test_invalid_images_are_refused(file):
         (ImageTable("absent.png"), "absent.png: cannot be read"),
         (ImageTable(str(file)), "images.end.sha256: found no such key, expected that of"),
         (replace(stated(file), sha256="0"), "images.end.sha256: found '0', expected that of"),
-        (stated(file.parent / "words.png"), "images.end.path: found .*words.png', which is no image"),
+        (stated(file.parent / "words.png"), "images.end.path: found .*words.png', which is not an image"),
     ):
         with pytest.raises(TactometryError, match=message):
             image_of(table, "images.end")

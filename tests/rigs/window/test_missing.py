@@ -62,7 +62,7 @@ def test_window_reports_missing_psychopy(home):
 def test_window_refuses_event_keyboard_backend(display, home):
     script = "from psychopy.hardware.keyboard import KeyboardDevice\nKeyboardDevice.setBackend('event')\n" + OPEN
     line = said(script, HOME=home, DISPLAY=os.environ["DISPLAY"])
-    assert line.startswith("keyboard: found PsychoPy's back end 'event', which loses answers, expected 'ptb'")
+    assert line.startswith("keyboard: found the back end 'event', which loses answers, expected 'ptb'")
 
 
 def test_adopt_explains_how_to_change_keyboard_backend(display, home):
@@ -79,11 +79,13 @@ except DeviceFailed as error:
     print(error, error.exit_status, window._closed)
 """
     line = said(adopt, HOME=home, DISPLAY=os.environ["DISPLAY"])
-    assert line.startswith("keyboard: found PsychoPy's back end 'event', which loses answers, expected 'ptb'; make it")
+    assert line.startswith("keyboard: found the back end 'event', which loses answers, expected 'ptb'; create it")
     assert line.endswith("3 False")
 
 
-@pytest.mark.parametrize(("status", "told"), [(143, "SystemExit 143"), (0, "window: PsychoPy could not open one (S")])
+@pytest.mark.parametrize(
+    ("status", "told"), [(143, "SystemExit 143"), (0, "window: PsychoPy could not open a window (S")]
+)
 def test_only_signals_end_process_while_window_opens(display, home, status, told):
     quits = f"import sys\nfrom psychopy import visual\nvisual.Window = lambda **more: sys.exit({status})\n"
     ends = OPEN + "except SystemExit as end:\n    print('SystemExit', end.code)\n"

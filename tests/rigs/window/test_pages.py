@@ -173,7 +173,7 @@ def test_stopped_page_stays_until_next_key(bench, watched, participant, log, mon
         ),
         (Play("tome", 5.0, 0.2), InvalidParameter, "found 'tome', expected one of tone; did you mean 'tone'"),
         (Play("tone", 5.0, 0.05), InvalidParameter, "a signal of 0.1 s, expected at most the 0.05 s"),
-        (Show("block", {}), InvalidParameter, "message 'block': found a place that cannot be filled"),
+        (Show("block", {}), InvalidParameter, "message 'block': found a placeholder that cannot be filled"),
         (Show("welcom"), InvalidParameter, "message 'welcom': found no text .*did you mean 'welcome'"),
     ],
 )
@@ -186,7 +186,7 @@ def test_bad_requests_play_nothing_and_close(bench, log, request_, error, messag
 @pytest.mark.parametrize(
     ("failure", "error"),
     [
-        (SystemExit(0), pytest.raises(DeviceFailed, match=r"ended the program by itself \(exit status 0\)")),
+        (SystemExit(0), pytest.raises(DeviceFailed, match=r"ended the program \(exit status 0\)")),
         (KeyboardInterrupt(), pytest.raises(KeyboardInterrupt)),
         (OSError("unplugged"), pytest.raises(OSError, match="unplugged")),
     ],

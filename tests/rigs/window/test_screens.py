@@ -98,7 +98,7 @@ def test_unconnected_screen_is_refused_before_recording(two_screens, tmp_path):
     done = program(words, two_screens)
     assert done.returncode == 2
     assert done.stderr == (
-        "tactometry: [screen] screen: found 2, expected one that is connected (screen 0: 640 x 600 px, "
+        "tactometry: [screen] screen: found 2, expected a connected screen (screen 0: 640 x 600 px, "
         "screen 1: 800 x 600 px)\n"
     )
     assert not list(tmp_path.glob("d/data/*.csv")) or next(tmp_path.glob("d/data/*.csv")).read_text().count("\n") == 1
@@ -116,5 +116,5 @@ def test_check_screen_rejects_unconnected_screens():
     there = (ConnectedScreen(0, 640, 480),)
     check_screen(0, there)
     for number in (-1, 1):
-        with pytest.raises(InvalidParameter, match=r"expected one that is connected \(screen 0: 640 x 480 px\)"):
+        with pytest.raises(InvalidParameter, match=r"expected a connected screen \(screen 0: 640 x 480 px\)"):
             check_screen(number, there)

@@ -162,7 +162,7 @@ NO_MAPS = {
         b"0,1\n1\n",
         "(the number of columns changed from 2 to 1 at row 2), expected CSV",
     ),
-    "no numbers": ("map.csv", b"", "(found no row of numbers, expected at least one), expected CSV"),
+    "no numbers": ("map.csv", b"", "(found no rows of numbers, expected at least one row), expected CSV"),
     "a number that is none": ("map.csv", b"0,nan\n", "stimulus.texture.values[1]: found nan, expected a finite number"),
 }
 
