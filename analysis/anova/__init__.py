@@ -1,4 +1,4 @@
-"""Within-participant designs: analysis of variance, contrasts, pairs, ranks."""
+"""Analysis of variance, contrasts and pairwise comparisons of within-participant designs."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Semantic differentials: scores, consistency, patterns of the thesis."""
+"""Semantic differentials: scores, internal consistency, and comparisons of the thesis's patterns."""
 
 from typing import TYPE_CHECKING
 

@@ -293,7 +293,7 @@ def test_reason_names_the_factor_between_participants(capsys):
     found = analysed(capsys, CASES / "between_groups.csv", ADJUSTED, within="A")
     outcome = found["outcomes"][0]
     assert outcome["primary"]["reason"] == (
-        "by the rule: every participant has a value, and A differs between participants"
+        "by default: every participant has a value, and A differs between participants"
     )
     assert outcome["anova"][0]["F"] == pytest.approx(2.33, abs=0.005)
     assert warning(found, "--within A: it differs between participants")

@@ -53,7 +53,7 @@ def test_anova_is_primary_for_complete_design() -> None:
     found = told(table)
     assert (found.primary, found.notes) == ("anova", ())
     assert found.heading() == (
-        "Primary analysis: repeated-measures analysis of variance (by the rule: every participant has a value in every "
+        "Primary analysis: repeated-measures analysis of variance (by default: every participant has a value in every "
         "condition)"
     )
     assert found.roles()[["role", "analysis"]].values.tolist() == [["primary", "anova"]]
@@ -72,13 +72,13 @@ def test_censored_anova_is_primary_with_bounds() -> None:
     table = estimates(np.random.default_rng(), n_below=2)
     found = told(table, bounds={"force_n": 3.0})
     assert (found.primary, found.effects.attrs["n"]) == ("censored_anova", 8)
-    assert found.notes[0] == "the analysis of values and bounds counts 2 values as bounds"
+    assert found.notes[0] == "the analysis with censored values treats 2 values as bounds"
     assert found.notes[1].startswith("the analysis of variance, a check, leaves out participant P0, participant P1:")
     roles = found.roles().set_index("analysis")
     assert roles["role"].to_dict() == {"censored_anova": "primary", "anova": "check"}
     assert roles.loc["anova", "title"].endswith("without participant P0, participant P1")
     headings = list(outcome_sentences(found, "dB"))
-    assert headings[0].startswith("Primary analysis: repeated-measures analysis of variance of values and bounds")
+    assert headings[0].startswith("Primary analysis: repeated-measures analysis of variance with censored values")
     assert [heading for heading in headings if heading.startswith("Check: ")] == [
         f"Check: {roles.loc['anova', 'title']}"
     ]
@@ -97,7 +97,7 @@ def test_flat_cell_counts_as_interval() -> None:
     table.loc[rows[0], "interval_low"] = np.nan
     found = told(table)
     assert found.primary == "censored_anova"
-    assert found.notes[0] == "the analysis of values and bounds counts 1 value as a bound and 1 value as an interval"
+    assert found.notes[0] == "the analysis with censored values treats 1 value as a bound and 1 value as an interval"
     assert found.group[["n_below", "n_above", "n_interval", "n_missing"]].sum().tolist() == [0, 0, 2, 0]
     assert found.group["text"].str.contains("1 with an interval only", regex=False).sum() == 2
 
@@ -135,7 +135,7 @@ def test_plan_names_primary_analysis(named) -> None:
     table = estimates(np.random.default_rng(), n_below=1)
     forces = table[["participant", *FACTORS]].assign(force_mean_n=1.1 * table["force_n"])
     found = told(table, primary=named, forces=forces)
-    assert (found.primary, found.reason) == (named, "named by the plan of analysis")
+    assert (found.primary, found.reason) == (named, "named in the analysis plan")
     assert found.roles()["role"].tolist().count("primary") == 1
     assert primary_sentences(found)
     left_out = any("the primary analysis leaves out participant P0" in note for note in found.notes)
@@ -152,7 +152,7 @@ def test_missing_anova_of_one_participant_is_noted_once(named) -> None:
 def test_unavailable_named_analysis_leaves_no_primary() -> None:
     found = told(estimates(np.random.default_rng()), primary="mixed_model")
     assert (found.primary, primary_sentences(found)) == (None, [])
-    assert found.notes == ("no primary analysis: linear mixed model (named by the plan of analysis) has no result",)
+    assert found.notes == ("no primary analysis: linear mixed model (named in the analysis plan) has no result",)
     assert "Check: repeated-measures analysis of variance" in outcome_sentences(found, "dB")
 
 
@@ -322,7 +322,7 @@ def test_command_names_primary_analysis(tmp_path) -> None:
     file = written(tmp_path / "t.csv", estimates(np.random.default_rng(), interaction=4.0))
     found = run(file, "--report", tmp_path / "r.html")["outcomes"][0]
     assert found["primary"]["analysis"] == "anova"
-    assert found["primary"]["reason"] == "by the rule: every participant has a value in every condition"
+    assert found["primary"]["reason"] == "by default: every participant has a value in every condition"
     assert [row["Source"] for row in found["primary"]["effects"]] == [
         "force_n",
         "frequency_hz",

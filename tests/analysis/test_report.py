@@ -155,7 +155,7 @@ def test_participants_with_bounds_stay_in_primary_analysis(tmp_path) -> None:
         2,
     )
     assert outcome.notes == (
-        "the analysis of values and bounds counts 2 values as bounds",
+        "the analysis with censored values treats 2 values as bounds",
         "the analysis of variance, a check, leaves out participant P01, participant P02: it needs a value in every "
         "condition",
     )

@@ -78,8 +78,8 @@ def test_single_participant_has_intervals_of_fits(one) -> None:
     assert captions(one)["threshold"] == (
         "Detection threshold: values of one participant; bars are 95 % intervals of the fits."
     )
-    assert "Values of one participant, each with the 95 % interval of its fit." in render(one)
-    assert "(value, 95 % interval of its fit, n)" in summary_text(one)
+    assert "Values of one participant, each with the 95 % interval of the fit." in render(one)
+    assert "(value, 95 % interval of the fit, n)" in summary_text(one)
 
 
 def test_two_participants_have_between_participants_intervals(two) -> None:

@@ -259,7 +259,7 @@ def test_missing_cell_is_named_in_first_warning(tmp_path) -> None:
     found = analysed(file)
     assert found["warnings"][0] == "1 of 8 cells of comparison without a valid trial (P1 hz 240)"
     outcome = found["outcomes"][0]
-    assert outcome["notes"][0] == "the analysis of values and bounds counts 1 value as missing at random"
+    assert outcome["notes"][0] == "the analysis with censored values treats 1 value as missing at random"
     assert "leaves out participant P1" in outcome["notes"][1]
     assert outcome["primary"]["analysis"] == "censored_anova"
     assert outcome["checks"] == [
