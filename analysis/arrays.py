@@ -18,7 +18,7 @@ FLATTEST = 1e-8
 
 
 def size_of(values: Array) -> float:
-    """Return the largest power of two not above the largest value, for exact scaling.
+    """Return the largest power of two not above the largest value.
 
     >>> size_of(np.array([-5.0, 3.0])), size_of(np.array([1e308])) < 1e308
     (4.0, True)
@@ -27,7 +27,7 @@ def size_of(values: Array) -> float:
 
 
 class StatusWithNote(StrEnum):
-    """Status of a fit, as written to files, with a note: ``NAME = "word", "note"``."""
+    """Status of a fit with a note: ``NAME = "word", "note"``."""
 
     note: str
 
@@ -40,7 +40,7 @@ class StatusWithNote(StrEnum):
 
 @dataclass(frozen=True)
 class Rows:
-    """Dataclass of arrays with one row per fit; other fields apply to all rows."""
+    """Arrays with one row per fit; other fields apply to all rows."""
 
     def _of_each(self, rule: Callable[..., Any], *others: Self) -> Self:
         columns = ([getattr(rows, field.name) for rows in (self, *others)] for field in fields(self))
@@ -67,7 +67,7 @@ class Rows:
         return self._of_each(merged, other)
 
     def where(self, chosen: Bools, other: Self) -> Self:
-        """Return rows of this object where `chosen` (n,) is true, else rows of `other`."""
+        """Return rows of this object where `chosen` (n,), else of `other`."""
 
         def merged(ours: Any, theirs: Any) -> Any:
             if isinstance(ours, Rows):
@@ -90,7 +90,7 @@ class Expansion(Rows):
 
 
 def symmetric_inverse(matrix: Array) -> Array:
-    """Invert symmetric matrices (..., p, p) after making them positive definite.
+    """Invert symmetric matrices (..., p, p), made positive definite.
 
     Matrices are scaled to a diagonal of 1. Each eigenvalue is then replaced by its absolute value, at least `FLATTEST`.
     """

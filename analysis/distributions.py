@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 class Student:
-    """Student's t distribution with `df` degrees of freedom, which may be infinite."""
+    """Student's t distribution; `df` may be infinite."""
 
     @staticmethod
     def cdf(t: Any, df: Any) -> Any:
@@ -61,7 +61,7 @@ class ChiSquare:
 
 
 def exact_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = 0.95) -> tuple[Array, Array]:
-    """Return the exact interval of rates (Clopper and Pearson 1934, Biometrika 26, 404-413).
+    """Return exact intervals of rates (Clopper and Pearson 1934).
 
     >>> [end.round(3).tolist() for end in exact_interval([0, 5, 10], [10, 10, 10])]
     [[0.0, 0.187, 0.692], [0.308, 0.813, 1.0]]

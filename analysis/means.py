@@ -1,4 +1,4 @@
-"""Tables by condition, means with t-intervals, and rates with Wilson intervals."""
+"""Tables by condition, means with t-intervals, rates with Wilson's."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ def parts(table: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any,
 def by_condition(
     table: pd.DataFrame, keys: Sequence[str], row_of: Callable[[pd.DataFrame], Mapping[str, object]]
 ) -> pd.DataFrame:
-    """Return one row per combination: its values and the result of `row_of` for its rows.
+    """Return one row per combination: its values and the result of `row_of`.
 
     >>> table = pd.DataFrame({"force_n": [3.0, 0.5, 3.0], "y": [1, 2, 3]})
     >>> by_condition(table, ["force_n"], lambda part: {"sum": part["y"].sum()}).values.tolist()
@@ -33,7 +33,7 @@ def by_condition(
 
 @dataclass(frozen=True)
 class Range:
-    """Range of possible values of a quantity, which limits the interval of a mean."""
+    """Possible values of a quantity, which limit the interval of a mean."""
 
     low: float = -np.inf
     high: float = np.inf
@@ -75,7 +75,7 @@ MEAN = ("mean", "mean_low", "mean_high", "sd")
 
 
 def mean_row(values: Array, interval: float = INTERVAL, name: str = "mean", possible: Range = ANY) -> dict[str, object]:
-    """Return the columns of `MEAN` with prefix `name`; undefined values are None."""
+    """Return the columns of `MEAN` with prefix `name`, None if undefined."""
     row = dict.fromkeys(MEAN) | mean_with_interval(values, interval, possible)
     return {column.replace("mean", name): value for column, value in row.items()}
 

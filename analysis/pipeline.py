@@ -1,4 +1,4 @@
-"""Analysis of a data set in five stages: trials, cells, estimates, outcomes, report."""
+"""Analysis of a data set in five stages."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -167,7 +167,7 @@ class Cells:
 
 
 def count_cells(selected: SelectedTrials) -> Cells:
-    """Count answers by participant and condition, and score the questionnaires.
+    """Count answers by participant and condition; score questionnaires.
 
     Raises
     ------
@@ -197,7 +197,7 @@ def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
 
 @dataclass(frozen=True)
 class CellEstimates:
-    """Stage 3: fits of the cells, and a `table` with goodness of fit and the procedures' estimates."""
+    """Stage 3: fits of cells, and their `table` with goodness of fit."""
 
     cells: Cells
     fits: list[Estimate]
@@ -207,7 +207,7 @@ class CellEstimates:
 
 
 def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
-    """Fit a psychometric function to each cell, and average the measured force."""
+    """Fit a psychometric function to each cell, and average the force."""
     factors, unit = cells.factors, counting.level_unit(cells.selected.trials)
     fits = counting.estimates(cells.cells, unit)
     table = counting.estimate_table(fits, factors, unit)
@@ -223,7 +223,7 @@ def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """Stage 4: comparisons of conditions, and hierarchical fits of all participants."""
+    """Stage 4: comparisons of conditions, and hierarchical fits."""
 
     estimates: CellEstimates
     outcomes: tuple[Outcome, ...]

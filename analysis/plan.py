@@ -57,7 +57,7 @@ class AnalysisPlan:
 
 
 def read_plan(path: str | Path) -> AnalysisPlan:
-    """Read a plan from a TOML file with tables `[exclusion]` and `[equivalence]`.
+    """Read a plan from TOML tables `[exclusion]` and `[equivalence]`.
 
     Raises
     ------

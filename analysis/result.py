@@ -73,7 +73,7 @@ class Analysis:
         return f"Analysis({n_trials} of {of_whom}, {count_of(len(self.warnings), 'warning')}; {', '.join(self.tables)})"
 
     def _repr_html_(self) -> str:
-        """Return warnings and tables as HTML for a notebook, with the first table unfolded."""
+        """Return warnings and tables as HTML for a notebook."""
         warnings = "".join(f"<li>{escape(warning)}</li>" for warning in self.warnings)
         tables = (
             f"<details{'' if n else ' open'}><summary>{escape(name)} ({count_of(len(table), 'row')})</summary>"
@@ -83,7 +83,7 @@ class Analysis:
         return f"<p>{escape(repr(self))}</p><ul>{warnings}</ul>{''.join(tables)}"
 
     def stem(self, outcome: Outcome) -> str:
-        """Return the file name of an outcome; it contains the task if there are several."""
+        """Return the file name of an outcome, with its task if needed."""
         several = len({other.task for other in self.outcomes}) > 1
         return f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
 

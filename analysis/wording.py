@@ -51,7 +51,7 @@ def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str
 
 
 def interval_text(value: Any, low: Any = None, high: Any = None, decimals: int | None = None) -> str:
-    """Format a value with its interval, optionally with a fixed number of `decimals`.
+    """Format a value with its interval, optionally with fixed `decimals`.
 
     >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25), interval_text(0.93, 0.87, 0.99)
     ('1.25 [0.90, 1.61]', '1.25', '0.930 [0.870, 0.990]')
@@ -199,7 +199,7 @@ def level_of(name: str, value: object) -> str:
 
 
 def value_of(name: str, value: object) -> str:
-    """Format a level of a factor, preceded by the factor's name for numbers without unit.
+    """Format a level with its unit, or else after the factor's name.
 
     >>> value_of("frequency_hz", 240.0), value_of("pattern", "P0"), value_of("size", 3)
     ('240 Hz', 'P0', 'size 3')
@@ -210,7 +210,7 @@ def value_of(name: str, value: object) -> str:
 
 
 def in_words(text: str, factors: Sequence[str]) -> str:
-    """Replace factor names in a text by words, add units to levels, and write * as ×.
+    """Replace factor names by words, add units, and write * as ×.
 
     >>> in_words("force_n * frequency_hz: F(2, 4) = 1.20", ["frequency_hz", "force_n"])
     'force × frequency: F(2, 4) = 1.20'
@@ -250,7 +250,7 @@ def first_named(names: Sequence[str], most: int = NAMED) -> str:
 
 
 def named_cells(table: pd.DataFrame, factors: Sequence[str]) -> str:
-    """Join the first cells (participant with condition) and the number of further cells."""
+    """Join the first cells by name, and the number of further cells."""
     rows = table.head(NAMED).to_dict("records")
     names = [f"{row['participant']} {condition_name(factors, [row[name] for name in factors])}" for row in rows]
     more = len(table) - len(names)
@@ -261,7 +261,7 @@ REVERSALS, POSTERIOR_MEAN = "mean of an even number of reversals, without the fi
 
 
 class ProcedureWords(NamedTuple):
-    """Name of a procedure with its article, and the name of its own estimate, if any."""
+    """Name of a procedure with its article, and of its estimate, if any."""
 
     phrase: str
     estimate: str = ""
@@ -288,7 +288,7 @@ def procedure_phrase(kind: str) -> str:
 
 
 def procedure_name(kind: str) -> str:
-    """Return the name of a procedure without its article; unknown names are unchanged.
+    """Return the name of a procedure without its article.
 
     >>> procedure_name("staircase"), procedure_name("their_staircase")
     ('staircase', 'their_staircase')
@@ -301,7 +301,7 @@ MOST_COLUMNS = 8
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Arrange texts with the factor that has the most levels in rows, the others in columns.
+    """Arrange texts with the factor with the most levels in rows.
 
     If this is too wide, only one factor (numeric if possible) is in columns.
     """

@@ -1,4 +1,4 @@
-"""Analysis of variance, contrasts and pairwise comparisons of within-participant designs."""
+"""ANOVA, contrasts and pairwise comparisons of within-participant designs."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Designs with bounds or missing values, and their largest complete subsets."""
+"""Designs with bounds or missing values, and their complete subsets."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -53,7 +53,7 @@ class BoundedDesign:
     scale: float = 1.0
 
     def cells(self) -> list[dict[str, object]]:
-        """Return the condition of each mean, group by group, with the last factor varying fastest."""
+        """Return the condition of each mean, with the last factor varying fastest."""
         names = [*([self.between] if self.between else []), *self.factors]
         levels = [*([self.groups] if self.between else []), *self.levels]
         return [dict(zip(names, cell, strict=True)) for cell in product(*levels)]
@@ -105,7 +105,7 @@ def bounded_design(
 
 
 def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
-    """Return the interval (row, 2) of each value; known values have equal ends.
+    """Return the interval (row, 2) of each value; ends of known values agree.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def _numbers(table: pd.DataFrame, name: str) -> Array:
     values = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
     bad = np.isnan(values) & table[name].notna().to_numpy()
     row = int(bad.argmax())
-    expect(not bad.any(), f"{name}, row {row}", table[name].iloc[row], "a number or an empty cell")
+    expect(not bad.any(), f"{name}, row {row}", table[name].iloc[row], "a number or nothing")
     return values
 
 
@@ -137,7 +137,7 @@ def _layout(
     table: pd.DataFrame,
     keys: Sequence[str],
 ) -> tuple[Array, Array]:
-    """Return lower and upper ends (participant, cell), infinite for cells without a row."""
+    """Return lower and upper ends (participant, cell), infinite if missing."""
     shape = tuple(len(names) for names in levels)
     place = np.ravel_multi_index(list(codes), shape)
     order, n = np.unique(place, return_counts=True)
@@ -176,7 +176,7 @@ def _standardised(design: BoundedDesign, dependent: str) -> BoundedDesign:
 
 @dataclass(frozen=True)
 class SubDesign:
-    """Subset of a table, with its factors and the names of omitted participants and levels."""
+    """Subset of a table, with its factors and the names of what it omits."""
 
     table: pd.DataFrame
     within: tuple[str, ...]
@@ -221,7 +221,7 @@ def largest_known(
 
 
 def _presence(table: pd.DataFrame, dependent: str, columns: Sequence[str]) -> tuple[list[list[Any]], Bools]:
-    """Return the sorted values of each column, and True for each combination with a known value."""
+    """Return the values of each column, and which combinations are known."""
     axes = [sorted(table[name].unique()) for name in columns]
     has = np.zeros([len(names) for names in axes], dtype=bool)
     known = table[table[dependent].notna()]
@@ -232,7 +232,7 @@ def _presence(table: pd.DataFrame, dependent: str, columns: Sequence[str]) -> tu
 def _part(
     table: pd.DataFrame, columns: Sequence[str], axes: Sequence[list[Any]], chosen: Subset, complete: Bools
 ) -> SubDesign:
-    """Select the `complete` participants (first column) at the chosen levels of the other columns."""
+    """Select `complete` participants (first column) at the chosen levels."""
     kept_places = [tuple(np.flatnonzero(complete)), *chosen]
     left_out = [f"participant {code}" for code, is_kept in zip(axes[0], complete, strict=True) if not is_kept]
     for n, (name, values, places) in enumerate(zip(columns, axes, kept_places, strict=True)):
@@ -247,7 +247,7 @@ def _n_cells(chosen: Subset) -> int:
 
 
 def _subsets(levels: Sequence[Sequence[object]]) -> list[Subset]:
-    """Return the subsets of levels with at least two levels of a factor, largest first."""
+    """Return subsets with at least two levels of a factor, largest first."""
     sizes = [len(names) for names in levels]
     if np.prod([2.0**n - 1 for n in sizes]) > MAX_SUBSETS:  # float, as the product may overflow an integer
         return [tuple(tuple(range(n)) for n in sizes)]

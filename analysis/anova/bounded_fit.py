@@ -1,4 +1,4 @@
-"""Analysis-of-variance model fitted to values and bounds by maximum likelihood.
+"""Analysis-of-variance model fitted to values and bounds by likelihood.
 
 Each participant's values are normal, with a mean for each condition and a variance for each stratum (participants,
 participants by each factor, participants by each interaction). If all values are known, the model equals the analysis
@@ -59,7 +59,7 @@ class BoundedValues:
 
     @cached_property
     def strata(self) -> tuple[Array, ...]:
-        """Orthonormal contrasts (contrast, cell) of each stratum, participants first."""
+        """Orthonormal contrasts (contrast, cell) by stratum, participants first."""
         places = [(), *effect_places(len(self.n_levels))]
         return tuple(contrasts(self.n_levels, of_stratum) for of_stratum in places)
 
@@ -71,7 +71,7 @@ class BoundedValues:
 
 @dataclass(frozen=True)
 class Points:
-    """Weighted possible values (n, cell) of a participant, and the log probability of the data."""
+    """Weighted possible values (n, cell) of a participant."""
 
     values: Array
     weights: Array
@@ -127,7 +127,7 @@ class BoundedFit:
         return _above_rounding(self.variances)
 
     def df_of(self, stratum: int) -> float:
-        """Return the degrees of freedom of a stratum's contrasts, reduced for bounds (Satterthwaite)."""
+        """Return the degrees of freedom of a stratum, reduced for bounds."""
         if not self.has_error[stratum]:
             return float(self.df)
         place = self.means.size + stratum
@@ -165,7 +165,7 @@ def fit_bounded(data: BoundedValues) -> BoundedFit:
 
 
 def _maximum(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Array]:
-    """Return the means and variances expected from the weighted points (M step)."""
+    """Return the means and variances expected under the weights (M step)."""
     expected = np.stack([of_one.weights @ of_one.values for of_one in points])
     members = np.equal.outer(np.arange(len(data.sizes)), data.group)
     means = members @ expected / data.sizes[:, None]
@@ -176,7 +176,7 @@ def _maximum(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Arra
 
 
 def _second_moments(data: BoundedValues, points: Sequence[Points], means: Array) -> Array:
-    """Return the sums of squares and products about the means, shape (group, cell, cell)."""
+    """Return sums of squares and products about means (group, cell, cell)."""
     sums = np.zeros((len(means), *[means.shape[1]] * 2))
     for of_one, place in zip(points, data.group, strict=True):
         away = of_one.values - means[place]
@@ -191,7 +191,7 @@ def _points(data: BoundedValues, means: Array, variances: Array) -> list[Points]
 
 
 def _points_of_one(low: Array, high: Array, mean: Array, covariance: Array) -> Points:
-    """Return points of the unknown values, conditional on the known ones, and the log probability."""
+    """Return points of the unknown values, conditional on the known values."""
     known = low == high
     of_known = covariance[np.ix_(known, known)]
     both = covariance[np.ix_(known, ~known)]
@@ -215,7 +215,7 @@ def _above_rounding(variances: Array) -> Bools:
 
 
 def _inverse_of_free(information: Array, variances: Array) -> Array:
-    """Invert the information; variances of 0 are fixed and have a covariance of 0."""
+    """Invert the information; variances of 0 are fixed, with covariance 0."""
     free = np.concatenate([np.full(len(information) - len(variances), True), _above_rounding(variances)])
     covariance = np.zeros(information.shape)
     covariance[np.ix_(free, free)] = np.linalg.inv(information[np.ix_(free, free)])
@@ -223,7 +223,7 @@ def _inverse_of_free(information: Array, variances: Array) -> Array:
 
 
 def _information(data: BoundedValues, points: Sequence[Points], means: Array, variances: Array) -> Array:
-    """Return the negative Hessian of the log-likelihood in means and log variances."""
+    """Return the negative Hessian in means and log variances."""
     n_cells = means.shape[1]
     whole = np.zeros((means.size + len(variances),) * 2)
     for of_one, place in zip(points, data.group, strict=True):
@@ -252,7 +252,7 @@ def _information_of_one(data: BoundedValues, away: Array, weights: Array, varian
 
 
 def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) -> Points:
-    """Return weighted points of a normal distribution truncated to `low` and `high`."""
+    """Return weighted points of a truncated normal distribution."""
     root, even = np.linalg.cholesky(covariance), _even(len(mean))
     steps, log_weights = np.zeros(even.shape), np.zeros(len(even))
     for j, sd in enumerate(np.diagonal(root)):
@@ -276,7 +276,7 @@ def _even(n_dimensions: int) -> Array:
 
 
 def _standard_between(even: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Return quantiles of a truncated standard normal, and the log probability of its interval.
+    """Return quantiles and log probability of a truncated standard normal.
 
     The computation uses the lower tail for precision. Quantiles count from the lower end even if the tail is flipped:
     otherwise they would jump when an end crosses 0, and the search would not converge.

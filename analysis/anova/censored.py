@@ -33,14 +33,14 @@ LEAST_SD = 1e-7
 
 @dataclass(frozen=True)
 class CensoredAnova:
-    """Effects in the columns of `repeated_measures`, without Mauchly's test, and the fit in design units."""
+    """Effects as in `repeated_measures`, with the fit in design units."""
 
     table: pd.DataFrame
     design: BoundedDesign
     fit: BoundedFit
 
     def means(self, interval: float = 0.95) -> pd.DataFrame:
-        """Return the mean of each condition (and group) with the intervals described in `group_table`."""
+        """Return condition means with the intervals described in `group_table`."""
         fit, (centre, scale) = self.fit, (self.design.centre, self.design.scale)
         kept = np.diagonal(fit.of_means) / np.tile(np.diagonal(fit.model), len(fit.means))
         sizes = np.repeat(fit.data.sizes, fit.means.shape[1])
@@ -164,7 +164,7 @@ def _wald_test(fit: BoundedFit, stratum: int, of_groups: Array, name: str) -> Ef
 
 @dataclass(frozen=True)
 class CellContrast:
-    """Difference between two levels, with standard error and degrees of freedom.
+    """Difference between two levels, with standard error and df.
 
     `keys` names the levels `a` and `b`, and `estimate` is `b` minus `a`. `sd` is the standard deviation of the
     participants' differences. All values are in design units.
@@ -180,7 +180,7 @@ class CellContrast:
 def censored_pairs(
     model: CensoredAnova, factor: str, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
 ) -> pd.DataFrame:
-    """Compare all pairs of levels of `factor`, averaged or at each level of `by`.
+    """Compare all pairs of levels, averaged or at each level of `by`.
 
     Averages are over the other factors and groups. The columns are those of `pairs`, without the Bayes factor and the
     interval of dz. Each pair has its own standard error. Bounds reduce the degrees of freedom.
@@ -219,7 +219,7 @@ def censored_equivalence(model: CensoredAnova, factor: str, *, bound: float, alp
 def censored_group_pairs(
     model: CensoredAnova, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
 ) -> pd.DataFrame:
-    """Compare all pairs of groups, averaged over conditions or at each level of `by`.
+    """Compare all pairs of groups, averaged or at each level of `by`.
 
     The columns are those of `group_pairs`, without the Bayes factor.
     """
@@ -246,7 +246,7 @@ def _contrasts(model: CensoredAnova, factor: str, by: str | None) -> Iterator[Ce
 
 
 def _averages(model: CensoredAnova, by: str | None) -> list[tuple[dict[str, object], Array, int | None]]:
-    """Return the weights (cell,) of means over all conditions, or at each group or level of `by`.
+    """Return the weights (cell,) of means, overall or at each level of `by`.
 
     Each item also contains the name of its level and the index of its group.
     """
@@ -263,7 +263,7 @@ def _averages(model: CensoredAnova, by: str | None) -> list[tuple[dict[str, obje
 
 
 def _contrast(anova: CensoredAnova, cell: Array, group: int | None, keys: Mapping[str, object]) -> CellContrast:
-    """Return a contrast of conditions in one group, or in the unweighted mean of all groups."""
+    """Return a contrast in one group, or in the unweighted mean of groups."""
     fit, n_groups = anova.fit, len(anova.fit.means)
     if group is None:
         of_groups = np.full(n_groups, 1 / n_groups)

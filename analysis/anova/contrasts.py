@@ -1,4 +1,4 @@
-"""Effects of a within-participant design as scores on orthonormal contrasts.
+"""Effects of within-participant designs as scores on contrasts.
 
 The scores have the shape (participant, contrast). They provide what pingouin and statsmodels lack: Chi and Muller's
 epsilon, exact permutation tests, and designs with three factors (Winer, Brown and Michels 1991, chapter 7).
@@ -21,7 +21,7 @@ RANK_TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class ContrastEffect:
-    """Main effect or interaction, with the scores (participant, contrast) of all participants."""
+    """Main effect or interaction, with scores (participant, contrast)."""
 
     factors: tuple[str, ...]
     scores: Array
@@ -53,7 +53,7 @@ class ContrastEffect:
 
     @property
     def is_singular(self) -> bool:
-        """Return True if the error matrix has no inverse (too few participants or dependent contrasts)."""
+        """Return True if the error matrix has no inverse."""
         n, n_contrasts = self.scores.shape
         eigenvalues = np.linalg.eigvalsh(self.covariance)
         is_dependent = bool(eigenvalues[0] <= RANK_TOLERANCE * eigenvalues[-1])
@@ -61,7 +61,7 @@ class ContrastEffect:
 
 
 def effects(design: WithinDesign) -> list[ContrastEffect]:
-    """Return the main effects, then the interactions."""
+    """Return the effects of a design: main effects first, then interactions."""
     found = []
     for places in effect_places(len(design.factors)):
         scores = design.cells @ contrasts(design.values.shape[1:], places).T
@@ -73,18 +73,18 @@ def effects(design: WithinDesign) -> list[ContrastEffect]:
 
 
 def effect_places(n_factors: int) -> list[tuple[int, ...]]:
-    """Return the indices of each effect's factors: main effects first, then interactions."""
+    """Return the indices of each effect's factors, main effects first."""
     return [places for r in range(1, n_factors + 1) for places in combinations(range(n_factors), r)]
 
 
 def participant_scores(design: WithinDesign) -> Array:
-    """Return a score per participant; their sum of squares is that between participants."""
+    """Return a score per participant, for effects between participants."""
     scores: Array = design.cells.sum(axis=1) / np.sqrt(design.cells.shape[1])
     return scores
 
 
 def contrasts(n_levels: tuple[int, ...], places: tuple[int, ...]) -> Array:
-    """Return orthonormal contrasts (contrast, cell): Helmert for the factors at `places`, else means."""
+    """Return Helmert contrasts of the factors at `places`, else means."""
     from scipy.linalg import helmert  # slow to load
 
     whole = np.ones((1, 1))
@@ -115,7 +115,7 @@ def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
 
 
 def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
-    """Return the p of an effect from sign changes of the participants' contrasts.
+    """Return the p of an effect from sign changes of the contrasts.
 
     The test is exact for symmetric errors, without sphericity or an error matrix of full rank. The sum of squares of
     effect plus error is constant, so that ranking by the effect's sum of squares equals ranking by F.

@@ -1,4 +1,4 @@
-"""Within-participant designs with one value in every cell, checked for undefined statistics."""
+"""Complete within-participant designs, checked for undefined statistics."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ AVERAGED = "several values of one participant in one cell were averaged"
 
 
 class DesignStatus(StatusWithNote):
-    """Reason why a statistic is undefined; with `OK` and `SINGULAR` it is defined."""
+    """Reason why a statistic is undefined, except `OK` and `SINGULAR`."""
 
     OK = "ok", ""
     SINGULAR = "singular_error_matrix", "the error matrix is singular"
@@ -68,7 +68,7 @@ def expect_defined(holds: bool | np.bool_, status: DesignStatus, where: str, fou
 
 @dataclass(frozen=True)
 class WithinDesign:
-    """Values (participant, level of the first factor, ...), with the names along all axes.
+    """Values (participant, level, ...) with the names along all axes.
 
     `notes` are for the report. Differences below `rounding` count as zero.
     """
@@ -86,14 +86,14 @@ class WithinDesign:
 
     @property
     def cells(self) -> Array:
-        """Values of shape (participant, cell), with the last factor varying fastest."""
+        """Values (participant, cell), with the last factor varying fastest."""
         return self.values.reshape(self.n, -1)
 
 
 def within_design(
     table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str, where: str
 ) -> WithinDesign:
-    """Arrange a table in long form as a design; several values in a cell are averaged, with a note.
+    """Arrange a table in long form as a design; repeated cells are averaged.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def names_of(within: Sequence[str] | str) -> list[str]:
 
 
 def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
-    """Return each row's index in the sorted values of a column, and these values.
+    """Return each row's index in the sorted values, and these values.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
 
 def _average_note(n_values: Indices) -> tuple[str, ...]:
     few, many = int(n_values.min()), int(n_values.max())
-    uneven = f", {few} to {many} in a cell: some cells have fewer values than others" if few < many else ""
+    uneven = f", {few} to {many} per cell" if few < many else ""
     return (AVERAGED + uneven,) if many > 1 else ()
 
 
@@ -188,7 +188,7 @@ def expect_names(data: pd.DataFrame, columns: Sequence[str]) -> None:
 
 
 def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequence[str]) -> None:
-    """Raise for fewer than three participants, or fewer than two levels of a factor.
+    """Raise for fewer than three participants, or two levels of a factor.
 
     The first item of `levels` lists the participants.
     """
@@ -205,7 +205,7 @@ def refuse_one(name: str, n: int, what: str) -> None:
 
 
 def refuse_constant(spread: float, size: float, dependent: str) -> None:
-    """Raise if the spread of the values is rounding error relative to the largest value."""
+    """Raise if the spread of the values is only rounding error."""
     has_spread = spread > RELATIVE_ZERO * size
     expect_defined(has_spread, DesignStatus.CONSTANT, dependent, "the same value everywhere", "values that differ")
 
@@ -225,7 +225,7 @@ def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: 
 
 
 def spread(values: Array, dependent: str) -> float:
-    """Return the standard deviation of all values (participant, cell), if F is defined.
+    """Return the standard deviation of all values, if F is defined.
 
     Raises
     ------
@@ -244,12 +244,12 @@ def spread(values: Array, dependent: str) -> float:
         DesignStatus.NO_VARIANCE_WITHIN,
         dependent,
         found,
-        "differences, as F is undefined without them",
+        "differences, without which F is undefined",
     )
     has_error = np.abs(within - within.mean(axis=0)).max() > RELATIVE_ZERO * size
     found, expected = (
         "the same differences in all participants",
-        "participants who differ, as the error is 0 and F is undefined",
+        "some error, without which F is undefined",
     )
     expect_defined(has_error, DesignStatus.ZERO_ERROR, dependent, found, expected)
     return sd * unit

@@ -1,4 +1,4 @@
-"""Means of a dependent variable by condition, with intervals and numbers of bounds.
+"""Means by condition, with intervals and numbers of bounds.
 
 A between-participants interval covers the mean of a condition. A within-participants interval shows differences between
 conditions: it is Cousineau's (2005, Tutorials in Quantitative Methods for Psychology 1, 42-45) with Morey's correction
@@ -47,7 +47,7 @@ def group_table(
     model: pd.DataFrame | None = None,
     possible: Range | None = None,
 ) -> pd.DataFrame:
-    """Return mean, SD, n and intervals between and within participants of each condition.
+    """Return mean, SD, n and intervals of each condition.
 
     `n_below` and `n_above` count values below or above the levels, `n_interval` values known only by an interval,
     `n_missing` unknown values. The mean of a condition with bounds comes from `model` (the result of
@@ -69,7 +69,7 @@ def group_table(
 def _with_own_intervals(
     table: pd.DataFrame, estimates: pd.DataFrame, factors: Sequence[str], dependent: str
 ) -> pd.DataFrame:
-    """Replace the intervals in a table of one participant by those of the fits."""
+    """Use the intervals of the fits in a table of one participant."""
     if dependent not in BOUNDS or not set(BOUNDS[dependent]) <= set(estimates.columns):
         return table
     rows: list[dict[Any, Any]] = table.to_dict("records")
@@ -98,7 +98,7 @@ def bounds_of(estimates: pd.DataFrame, dependent: str) -> pd.DataFrame:
 
 
 def _row_of(model: pd.DataFrame, names: Mapping[str, object]) -> "pd.Series[float] | None":
-    """Return the model's row of a condition, or None if the model leaves it out."""
+    """Return the model's row of a condition, or None if there is none."""
     shared = [name for name in names if name in model.columns]
     rows = model[(model[shared] == [names[name] for name in shared]).all(axis=1)]
     return rows.iloc[0] if len(rows) == 1 else None
@@ -107,7 +107,7 @@ def _row_of(model: pd.DataFrame, names: Mapping[str, object]) -> "pd.Series[floa
 def _within_halves(
     estimates: pd.DataFrame, factors: Sequence[str], dependent: str, interval: float
 ) -> dict[tuple[object, ...], float]:
-    """Return half the within-participants interval of each condition, if its group has all values."""
+    """Return half the within-participants interval of each condition."""
     if "participant" not in estimates.columns or not factors:
         return {}
     varied = estimates.groupby("participant")[list(factors)].nunique().max() > 1
@@ -166,7 +166,7 @@ def _group(
 
 
 def _of_model(model: "pd.Series[float]", names: Sequence[str], possible: Range) -> dict[str, float]:
-    """Return the named values of a model's row, with intervals limited to the possible range."""
+    """Return values of a model's row, limited to the possible range."""
     row = {name: float(model[name]) for name in names}
     for low, high in (MEANS[1:3], WITHIN):
         if low in row:
@@ -189,7 +189,7 @@ def _text(row: Mapping[str, Any], n: int, where: str) -> str:
 
 
 def within_variances(covariance: Array) -> Array:
-    """Return the variance of each condition after removing participant means; NaN for one condition."""
+    """Return variances of conditions after removing participant means."""
     k = len(covariance)
     if k < 2:
         return np.full(k, np.nan)

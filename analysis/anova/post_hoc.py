@@ -1,4 +1,4 @@
-"""Comparisons of conditions: pairwise tests, Bayes factors, equivalence and simple effects.
+"""Pairwise tests, Bayes factors, equivalence and simple effects.
 
 Equivalence is tested by two one-sided tests (Schuirmann 1987) against a bound that was specified before the data were
 seen.
@@ -30,7 +30,7 @@ _TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "d
 
 @dataclass(frozen=True)
 class Pair:
-    """Values of all participants in two conditions `a` and `b`, in units of `size`.
+    """Values of all participants in conditions `a` and `b`, scaled by `size`.
 
     `keys` names the conditions and, if there is another factor, its level.
     """
@@ -45,7 +45,7 @@ class Pair:
 
     @property
     def has_error(self) -> bool:
-        """Return True if the differences vary between participants by more than rounding error."""
+        """Return True if differences vary by more than rounding error."""
         size = max(float(np.abs(values).max()) for values in self.values)
         return float(np.ptp(self.differences)) > RELATIVE_ZERO * size
 
@@ -61,7 +61,7 @@ def pairs(
     correction: str = "holm",
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Compare all pairs of levels, or all levels with `reference`, by paired t-tests.
+    """Compare pairs of levels, or all levels with `reference`, by t-tests.
 
     If `by` is set, pairs are compared at each of its levels, with one correction for all tests. Each pair has its own
     error term, as a pooled one would require sphericity. Values are averaged over other columns, with a note in
@@ -117,7 +117,7 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
 
 
 def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
-    """Correct p for the number of tests by `pingouin.multicomp`; a missing p does not count.
+    """Correct p for the number of tests; a missing p does not count.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
 def compare(
     table: pd.DataFrame, dependent: str, factor: str, subject: str, by: str | None, where: str
 ) -> tuple[list[Pair], list[str]]:
-    """Return all pairs of levels of a complete design, and the notes of the design."""
+    """Return all pairs of levels of a complete design, and its notes."""
     factors = [factor] if by is None else [factor, by]
     design = within_design(table, dependent=dependent, within=factors, subject=subject, where=where)
     size, levels = size_of(design.values), design.levels[0]
@@ -178,7 +178,7 @@ def _row(pair: Pair, interval: float) -> dict[str, object]:
 
 
 def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:
-    """Return the interval of dz: noncentralities of t divided by sqrt(n) (Cumming 2012)."""
+    """Return the interval of dz by noncentralities of t (Cumming 2012)."""
     tail = (1 - interval) / 2
     low, high = (_noncentrality(t, n - 1, probability) for probability in (1 - tail, tail))
     return low / np.sqrt(n), high / np.sqrt(n)
@@ -204,7 +204,7 @@ def _noncentrality(t: float, df: int, probability: float) -> float:
 
 
 def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
-    """Return the Bayes factor of a paired or two-sample t-test, infinite on overflow.
+    """Return the Bayes factor of a paired or two-sample t-test.
 
     Rouder, Speckman, Sun, Morey and Iverson 2009, Psychonomic Bulletin & Review 16, 225-237, eq. 1 and 2; scale 0.707.
     `pingouin.bayesfactor_ttest` misses the peak of the integrand and is negative if t is several hundred or more. As a
@@ -228,7 +228,7 @@ def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
 
 
 def evidence(bf10: float) -> str:
-    """Describe a Bayes factor in the categories of Jeffreys (1961) as named by Lee and Wagenmakers (2013).
+    """Describe a Bayes factor (Jeffreys 1961; Lee and Wagenmakers 2013).
 
     >>> evidence(12.0), evidence(0.2), evidence(1.5)
     ('strong evidence for a difference', 'moderate evidence for no difference', 'anecdotal evidence for a difference')
@@ -250,7 +250,7 @@ def equivalence(
     by: str | None = None,
     alpha: float = 0.05,
 ) -> pd.DataFrame:
-    """Test all pairs of levels for equivalence within `bound` by two one-sided paired t-tests.
+    """Test all pairs of levels for equivalence by two one-sided t-tests.
 
     Returns
     -------
@@ -285,7 +285,7 @@ def equivalence(
 
 
 def with_verdicts(rows: Sequence[Mapping[str, object]], bound: float, alpha: float) -> pd.DataFrame:
-    """Return a table of pairs with column `equivalent`, and the p of all pairs in `attrs`."""
+    """Return a table of pairs with `equivalent`, and an overall p in `attrs`."""
     result = pd.DataFrame(rows)
     result["equivalent"] = result["p"] < alpha
     result.attrs |= {"p_all": float(result["p"].max()), "bound": bound, "alpha": alpha}
@@ -349,7 +349,7 @@ def simple_effects(
 
 
 def interaction_orders(effects: pd.DataFrame, factors: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the pairs of factors whose interaction has p below 5 %, each in both orders.
+    """Return pairs of factors with a significant interaction, in both orders.
 
     >>> effects = pd.DataFrame({"Source": ["a", "b", "a * b"], "p_CM_corr": [0.5, 0.2, 0.01]})
     >>> interaction_orders(effects, ["a", "b"])

@@ -70,7 +70,7 @@ def mixed_anova(
 
 @dataclass(frozen=True)
 class Groups:
-    """Index of each participant's group, with the sizes and names of the groups."""
+    """Index of each participant's group, with sizes and names of groups."""
 
     of: Indices
     sizes: Array
@@ -103,7 +103,7 @@ def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
 
 
 def _tests(name: str, scores: Array, groups: Groups, between: str) -> tuple[EffectTest, EffectTest]:
-    """Test the mean scores (participant, contrast), with equal group weights, and their interaction."""
+    """Test mean scores with equal group weights, and their interaction."""
     from statsmodels.formula.api import ols  # slow to load
     from statsmodels.stats.anova import anova_lm
 
@@ -132,7 +132,7 @@ def group_pairs(
     correction: str = "holm",
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Compare all pairs of groups by Welch's t-tests, with one correction for all tests.
+    """Compare all pairs of groups by Welch's t-tests, with a correction.
 
     If `by` is set, groups are compared at each of its levels. Values of one participant (at a level of `by`) are
     averaged.

@@ -1,4 +1,4 @@
-"""Repeated-measures ANOVA by pingouin (one or two factors) and statsmodels (three).
+"""Repeated-measures ANOVA by pingouin and statsmodels.
 
 This module adds the Huynh-Feldt and Chi-Muller corrections, partial eta squared, and intervals of effect sizes from the
 noncentral F distribution.
@@ -119,7 +119,7 @@ def permutation_test(
 
 @dataclass(frozen=True)
 class EffectTest:
-    """F of an effect with Greenhouse-Geisser, Huynh-Feldt and Chi-Muller epsilons, and Mauchly's W and p.
+    """F of an effect with its epsilons, and Mauchly's W and p.
 
     If `ss_error` is 0, the effect is the same in all participants and F is undefined.
     """
@@ -137,7 +137,7 @@ class EffectTest:
 
 
 def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, float]:
-    """Standardise the values for numerical precision; return the scale as well."""
+    """Standardise the values for precision; return the scale as well."""
     scale = spread(design.cells, dependent)
     unit = size_of(design.values)
     values: Array = design.values / unit
@@ -146,7 +146,7 @@ def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, f
 
 
 def _tested(design: WithinDesign, found: Sequence[ContrastEffect]) -> tuple[list[EffectTest], str]:
-    """Return each effect's F and Mauchly's test, and the library that computed F."""
+    """Return F and Mauchly's test of each effect, and the library used."""
     factors = [f"factor_{place}" for place in range(len(design.factors))]
     places = product(*(range(n) for n in design.values.shape))
     long = pd.DataFrame(places, columns=["participant", *factors]).assign(y=design.values.ravel())
@@ -240,7 +240,7 @@ def with_notes(
     tested: Sequence[EffectTest],
     singular: Sequence[str] = (),
 ) -> pd.DataFrame:
-    """Add notes, number of participants, status and library to the table's `attrs`."""
+    """Add notes, n, status and library to the table's `attrs`."""
     reason = "found the same differences in all participants, so the error is 0 and F is undefined"
     exact = [f"{effect.name}: {reason}" for effect in tested if effect.ss_error == 0]
     status = DesignStatus.SINGULAR if singular else DesignStatus.OK
@@ -250,7 +250,7 @@ def with_notes(
 
 
 def singular_note(effect: ContrastEffect, n: int) -> str:
-    """Explain why an effect has no test of sphericity, and which tests remain valid."""
+    """Explain why an effect has no test of sphericity."""
     p = effect.df[0]
     cause = f"its {p} contrasts are linearly dependent in these {n} participants"
     if p > n - 1:
@@ -264,7 +264,7 @@ def singular_note(effect: ContrastEffect, n: int) -> str:
 def eta_squared(
     ss: float, ss_error: float, ss_residual: float, df: tuple[float, float], interval: float = INTERVAL
 ) -> dict[str, float]:
-    """Return partial and generalised eta squared with their intervals (`SIZES`).
+    """Return partial and generalised eta squared with intervals.
 
     Partial: SS / (SS + SS error). Generalised: SS / (SS + residual), where the residual contains participants and all
     errors (Bakeman 2005). Intervals transform the interval of the noncentrality l of F by l / (l + df1 + df2 + 1)

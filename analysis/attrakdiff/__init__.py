@@ -1,4 +1,4 @@
-"""Semantic differentials: scores, internal consistency, and comparisons of the thesis's patterns."""
+"""Semantic differentials: scores, consistency, comparisons of patterns."""
 
 from typing import TYPE_CHECKING
 

@@ -34,7 +34,7 @@ BY = ("frequency", "envelope")
 def grouped_profile(
     profile: pd.DataFrame, *, design: Mapping[str, tuple[str, str]] = THESIS, reference: str = "P0"
 ) -> pd.DataFrame:
-    """Return word-pair means by repetition frequency, by envelope and of the reference.
+    """Return word-pair means by frequency, by envelope and of the reference.
 
     The columns are those of `word_pairs`, plus `of`: ``frequency`` or ``envelope``.
     """
@@ -52,7 +52,7 @@ def grouped_profile(
 def frequency_by_envelope(
     scored: pd.DataFrame, *, design: Mapping[str, tuple[object, object]] = THESIS, pattern: str = "pattern"
 ) -> pd.DataFrame:
-    """Compute a frequency by envelope repeated-measures ANOVA of each dimension of `scores`.
+    """Compute a frequency by envelope ANOVA of each dimension of `scores`.
 
     Patterns that are not in `design` and participants without a score (`left_out`) are omitted. A dimension without a
     result has one row, with the reason in `note`.
@@ -82,7 +82,7 @@ def _of_dimensions(
     test: Callable[[pd.DataFrame, str], pd.DataFrame],
     untested: Mapping[str, str],
 ) -> pd.DataFrame:
-    """Test each dimension with the participants who have a score in every pattern."""
+    """Test each dimension with the participants who rated every pattern."""
     tables = []
     for dimension in dimensions:
         whole, left_out = complete_participants(scored, dimension, pattern)
@@ -96,7 +96,7 @@ def _of_dimensions(
 
 
 def complete_participants(table: pd.DataFrame, dependent: str, condition: str) -> tuple[pd.DataFrame, list[str]]:
-    """Return the rows of participants with a value in every condition, and the codes of the others."""
+    """Return participants with all values, and the codes of the others."""
     known = table[table[dependent].notna()]
     n_conditions = known.groupby("participant")[condition].nunique()
     # Conditions without any known value count too.
@@ -106,7 +106,7 @@ def complete_participants(table: pd.DataFrame, dependent: str, condition: str) -
 
 
 def against_reference(scored: pd.DataFrame, *, reference: str = "P0", pattern: str = "pattern") -> pd.DataFrame:
-    """Compare each pattern with the reference by paired t-tests, Holm-corrected in each dimension.
+    """Compare each pattern with the reference by Holm-corrected t-tests.
 
     The columns are those of `pairs`, plus `dimension`, `left_out` and `note`.
 

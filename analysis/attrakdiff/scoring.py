@@ -1,4 +1,4 @@
-"""Scores, internal consistency, word pairs and portfolio of AttrakDiff and other questionnaires."""
+"""Scores, consistency, word pairs and portfolio of questionnaires."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -143,7 +143,7 @@ def _mean_scores(answers: pd.DataFrame, form: Questionnaire) -> dict[str, float 
 
 
 def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Summarise `scores`: mean, intervals, SD, n and missing by condition and dimension."""
+    """Summarise `scores` by condition and dimension."""
     factors = list(scored.attrs["within"])
     names = sorted(dimensions_of(scored))
     of_dimensions = [
@@ -228,7 +228,7 @@ def region(pq: float | None, hq: float | None) -> str | None:
 
 
 def consistency(scored_items: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Return Cronbach's alpha of each dimension by condition, with its interval (Feldt 1965).
+    """Return Cronbach's alpha by dimension and condition, with intervals.
 
     pingouin computes alpha from participants who answered all items. With fewer than three of them or without variance,
     alpha is empty and `note` gives the reason.

@@ -1,4 +1,4 @@
-"""Figures of a semantic differential: scores, word pairs, portfolio, and frequency by envelope."""
+"""Figures of semantic differentials."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -23,7 +23,7 @@ FINE = {"capsize": 2, "elinewidth": 0.9}
 def scores_figure(
     summary: pd.DataFrame, names: Sequence[str], order: Sequence[str], low: float, high: float
 ) -> Drawing:
-    """Draw the mean and interval of each dimension, one series per condition in `names`."""
+    """Draw means and intervals by dimension, a series per condition."""
     with new_figure(6.6, 3.4) as figure:
         axes = figure.add_subplot()
         for n, name in enumerate(names):
@@ -51,7 +51,7 @@ def _score_label(low: float) -> str:
 
 
 def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high: float) -> Drawing:
-    """Draw the means of word pairs, one line per condition, with negative words on the left."""
+    """Draw means of word pairs, with negative words on the left."""
     words = profile.drop_duplicates("item")
     y = np.arange(len(words))
     with new_figure(6.6, 0.21 * len(words) + 1.0) as figure:
@@ -77,7 +77,7 @@ def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high
 
 
 def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
-    """Draw pragmatic against hedonic quality with a confidence rectangle per condition."""
+    """Draw pragmatic against hedonic quality, with confidence rectangles."""
     from matplotlib.patches import Rectangle
 
     with new_figure(5.4, 4.6) as figure:
@@ -116,7 +116,7 @@ def crossed_figure(
     reference: str,
     limits: tuple[float, float],
 ) -> Drawing:
-    """Draw means against envelope: a line per frequency, a panel per dimension.
+    """Draw means against envelope: a line per frequency.
 
     The reference is a horizontal line. `design` maps a condition to frequency and envelope.
     """

@@ -1,4 +1,4 @@
-"""Figure of one participant: a panel with rates and fitted curve per condition.
+"""Figure of one participant: rates and fitted curve per condition.
 
 All panels are drawn in one matplotlib axes in inches, as an axes per panel would take ten times as long.
 """
@@ -35,7 +35,7 @@ TICK_IN = 2 * POINT_IN
 
 @dataclass(frozen=True)
 class Panel:
-    """Panel of an estimate: lower left corner and size in inches, and range of the levels."""
+    """Panel of an estimate: position and size in inches, range of levels."""
 
     estimate: Estimate
     left: float
@@ -78,7 +78,7 @@ class Panel:
 
 
 def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit: str) -> Drawing:
-    """Draw a participant's rates, fitted curves and thresholds, with intervals."""
+    """Draw a participant's rates, fitted curves and thresholds."""
     shown = list(estimates)[:MAX_PANELS]
     columns = min(7, len(shown)) if len(shown) > 8 else min(4, len(shown))
     rows = -(-len(shown) // columns)  # rounded up
@@ -159,7 +159,7 @@ def _draw_fits(axes: "Axes", panels: Sequence[Panel]) -> None:
 
 
 def _write(axes: "Axes", panel: Panel, factors: Sequence[str], *, is_left: bool, is_last: bool) -> None:
-    """Write the title and status of a panel, and tick labels if it is at the edge."""
+    """Write the title, status and outer tick labels of a panel."""
     left, bottom, top = panel.left, panel.bottom, panel.bottom + panel.height
     title = condition_name(factors, panel.estimate.cell.condition)
     axes.text(left + panel.width / 2, top + 2 * POINT_IN, title, fontsize=7, ha="center", va="baseline")

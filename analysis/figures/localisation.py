@@ -1,4 +1,4 @@
-"""Figures of localisation: correct answers against distance, and confusion matrices."""
+"""Figures of localisation: rate correct by distance, and confusions."""
 
 from typing import TYPE_CHECKING
 
@@ -24,7 +24,7 @@ DARK = 0.55
 
 
 def distance_figure(rates: pd.DataFrame, resolutions: pd.DataFrame, chance: float) -> Drawing:
-    """Draw the rate correct against the distance between places (mm), with resolutions as bars below."""
+    """Draw the rate correct against distance (mm), with resolutions below."""
     keys = list(rates.columns[: rates.columns.get_loc(DISTANCE)])
     with new_figure(5.4, 3.4) as figure:
         axes = figure.add_subplot()
@@ -51,7 +51,7 @@ def _draw_resolution(axes: "Axes", row: "pd.Series[float]", height: float, colou
 
 
 def confusion_figure(confusions: pd.DataFrame) -> Drawing:
-    """Draw confusion matrices of answers by correct place, a panel per condition and distance."""
+    """Draw confusion matrices, a panel per condition and distance."""
     keys = list(confusions.columns[: confusions.columns.get_loc("right_place")])
     in_mm = confusions.assign(**{name: MM * confusions[name] for name in keys if name == DISTANCE})
     renamed = in_mm.rename(columns={DISTANCE: DISTANCE_IN_MM})

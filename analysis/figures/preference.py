@@ -14,7 +14,7 @@ EDGE = 0.02
 
 
 def share_figure(shares: pd.DataFrame, items: Sequence[str]) -> Drawing:
-    """Draw how often each item was preferred, with intervals; `items` run from the top."""
+    """Draw how often each item was preferred, with intervals."""
     lines = series(shares, list(shares.columns[: shares.columns.get_loc("item")]))
     with new_figure(5.4, (0.3 + 0.1 * len(lines)) * len(items) + 0.9) as figure:
         axes = figure.add_subplot()

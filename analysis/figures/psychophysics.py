@@ -1,4 +1,4 @@
-"""Figures of tracks, means by condition, rates and magnitudes against level, and losses."""
+"""Figures of tracks, means, rates and magnitudes by level, and losses."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def track_figure(rows: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
-    """Draw the tracks of a participant; filled markers are "yes" or correct answers."""
+    """Draw tracks; filled markers are "yes" or correct answers."""
     axis = FactorAxis.of(rows, factors)
     labels = "Trial within the track", with_unit("Level", unit)
     return panels(rows, axis, partial(_draw_tracks, axis=axis), labels=labels, height_in=2.1, share_x=False)
@@ -106,7 +106,7 @@ def _draw_individuals(
 
 
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
-    """Draw rates against level: a panel per series, a line per value of the main factor."""
+    """Draw rates against level: a panel per series."""
     labels = with_unit("Level", unit), CURVES[str(rates["task"].iloc[0])].rate_label
     return _level_figure(rates, factors, "rate", labels, 2.5, ylim=RATES)
 
@@ -121,7 +121,7 @@ def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) ->
 def _level_figure(
     table: pd.DataFrame, factors: Sequence[str], column: str, labels: tuple[str, str], height_in: float, **scales: Any
 ) -> Drawing:
-    """Draw a column against level; `scales` are the limits and scales of the axes."""
+    """Draw a column against level; `scales` sets limits and scales of axes."""
     axis = FactorAxis.of(table, factors)
 
     def draw(axes: "Axes", panel: pd.DataFrame) -> None:
@@ -133,7 +133,7 @@ def _level_figure(
 
 
 def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
-    """Draw the mean rate over all levels against the main factor, one line per series."""
+    """Draw the mean rate over all levels against the main factor."""
     axis = FactorAxis.of(rates, factors)
     with new_figure(6.6, 3.0) as figure:
         axes = figure.add_subplot()

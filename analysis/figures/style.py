@@ -1,4 +1,4 @@
-"""Common parts of figures: style, reproducible output, and assignment of factors."""
+"""Common parts of figures: style, output, and assignment of factors."""
 
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -105,7 +105,7 @@ def drawing_of(figure: "Figure", about: str | None = None) -> Drawing:
 
 
 def look(place: int) -> dict[str, Any]:
-    """Return the colour and marker of a series; markers are open if the colour is reused."""
+    """Return colour and marker of a series; reused colours have open markers."""
     style: dict[str, Any] = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
     return style | ({"mfc": "white"} if place >= len(COLOURS) else {})
 
@@ -132,13 +132,13 @@ class FactorAxis:
 
     @classmethod
     def of(cls, table: pd.DataFrame, factors: Sequence[str]) -> "FactorAxis":
-        """Put the numeric factor with the most levels on the x axis; the others form the series."""
+        """Put the numeric factor with the most levels along x."""
         numeric = [name for name in factors if pd.api.types.is_numeric_dtype(table[name])]
         along = max(numeric or list(factors), key=lambda name: table[name].nunique(), default=None)
         return cls(along, tuple(name for name in factors if name != along))
 
     def place(self, axes: "Axes", table: pd.DataFrame) -> dict[object, float]:
-        """Set up the x axis, logarithmic for a wide range, and return the position of each level."""
+        """Set up the x axis and return the position of each level."""
         from matplotlib.ticker import NullLocator
 
         levels: list[Any] = ["all"] if self.along is None else sorted(set(table[self.along]))
@@ -179,7 +179,7 @@ def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.Data
 
 
 def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **style: Any) -> None:
-    """Draw means with within-participants bars and between-participants thin lines.
+    """Draw means with intervals within and between participants.
 
     Without within-participants intervals, the bars are those between participants. `style` is passed to `errorbar`.
     """
@@ -196,7 +196,7 @@ def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **s
 
 
 def bars(rows: pd.DataFrame, name: str, ends: str | None = None) -> tuple[Array, Array]:
-    """Return a column, and the distances (2, n_rows) to the ends of its interval.
+    """Return a column, and distances (2, n_rows) to its interval ends.
 
     The columns of the interval begin with `ends`, by default the name of the column.
     """

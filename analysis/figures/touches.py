@@ -17,7 +17,7 @@ N_COLUMNS: Final = 3
 
 
 def courses_figure(table: pd.DataFrame, quantity: str) -> Drawing:
-    """Draw the median, 5th to 95th percentile and target band, one panel per participant."""
+    """Draw the median, 5th to 95th percentile and target band."""
     rows = table[table["quantity"] == quantity]
     people, targets = sorted(rows["participant"].unique()), sorted(rows["target"].unique())
     with grid_of(len(people), N_COLUMNS, (2.6, 2.1), (1.6, 0.4)) as (figure, grid, left):

@@ -63,7 +63,7 @@ def fit_hierarchical(
     n_points: int = N_POINTS,
     **options: Unpack[GroupOptions],
 ) -> HierarchicalFit:
-    """Fit the psychometric functions of all participants and conditions jointly.
+    """Fit the psychometric functions of all participants jointly.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def _fit(single: SingleFits, interval: float, n_points: int) -> HierarchicalFit:
 
 
 def _mean_hyperparameters(model: GroupModel, found: Integrated) -> dict[str, Any]:
-    """Return posterior means of the standard deviations, correlation and rates."""
+    """Return posterior means of SDs, correlation and rates."""
     study, hyper = model.study, found.at.hyper
     sds = found.mean(np.exp(hyper[:, : len(model.sds)])).tolist()
     components = {

@@ -114,7 +114,7 @@ class StudyCounts:
         return int(self.width_group.max()) + 1
 
     def level(self, u: Array) -> Array:
-        """Return levels in their original unit."""
+        """Convert scaled levels to the original unit."""
         with np.errstate(over="ignore"):
             level = self.centre + self.spread * u
             return np.asarray(np.exp(level) if self.shape.on_log_levels else level)
@@ -127,7 +127,7 @@ class StudyCounts:
         return replace(self, u=u, n_yes=k, n_trials=n, own_catch=catch, width_group=group, conditions=conditions)
 
     def ranges(self) -> tuple[Array, Array, Array]:
-        """Return the lowest and highest level and the smallest spacing of each condition."""
+        """Return lowest level, highest level and smallest spacing by condition."""
         used = self.n_trials > 0
         low = np.where(used, self.u, np.inf).min(axis=(0, 2))
         high = np.where(used, self.u, -np.inf).max(axis=(0, 2))
@@ -151,7 +151,7 @@ def _gap(levels: Array, reach: float) -> float:
 
 
 def rate_of(logit: Array) -> tuple[Array, Array, Array]:
-    """Return rates between 0 and 0.5 with their first and second derivatives in the logit."""
+    """Return rates between 0 and 0.5 with two derivatives in the logit."""
     share = expit(logit)
     rate = LARGEST_RATE * share
     slope = rate * (1 - share)
@@ -164,7 +164,7 @@ def logit_of(probability: float) -> float:
 
 
 def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 0.0) -> Array:
-    """Return the log density of a rate's logit: a Beta(1, beta) prior times the likelihood of answers."""
+    """Return the log density of a rate's logit: prior times likelihood."""
     rate = rate_of(logit)[0]
     counted = n_yes * (np.log(LARGEST_RATE) + log_expit(logit)) + (beta - 1 + n_no) * np.log1p(-rate)
     return np.asarray(counted + log_expit(logit) + log_expit(-logit))
@@ -172,7 +172,7 @@ def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 
 
 @dataclass(frozen=True)
 class GroupModel:
-    """Model of a study, evaluated at many points (n_points, n_hyper) of the hyperparameters.
+    """Model of a study, evaluated at many hyperparameters (n_points, n_hyper).
 
     `hyper` names the columns: logarithms of standard deviations, the inverse hyperbolic tangent of the correlation,
     logits of rates, and the mean log width if all conditions share it.
@@ -207,7 +207,7 @@ class GroupModel:
 
     @cached_property
     def kept(self) -> list[int]:
-        """Indices of the parameters of the psychometric function that have predictors."""
+        """Indices of the parameters of the function that have predictors."""
         return [THRESHOLD, LOG_WIDTH, *([LAPSE] if self.study.lapse_rate is None else [])]
 
     @cached_property
@@ -243,7 +243,7 @@ class GroupModel:
         return hyper[:, self.hyper.index(name)]
 
     def offsets(self, hyper: Array) -> Array:
-        """Return the hyperparameters added to the predictors (n_points, n_predictors)."""
+        """Return hyperparameters added to predictors (n_points, n_predictors)."""
         offsets = np.zeros((len(hyper), len(self.kept)))
         if self.has_one_width:
             offsets[:, 1] = self.at(hyper, "width")
@@ -252,7 +252,7 @@ class GroupModel:
         return offsets
 
     def every_mean(self, hyper: Array, means: Array) -> Array:
-        """Return the mean thresholds of conditions, followed by the mean log widths of groups."""
+        """Return mean thresholds of conditions, then mean log widths of groups."""
         widths = [self.at(hyper, "width")[:, None]] if self.has_one_width else []
         return np.concatenate([means, *widths], axis=1)
 
@@ -264,7 +264,7 @@ class GroupModel:
         return rate_of(self.at(hyper, "lapse_rate")[:, None] + own)[0]
 
     def precision(self, hyper: Array) -> tuple[Array, Array]:
-        """Return the precision of a participant's effects, and half its log determinant."""
+        """Return the precision of a participant's effects, and half its log det."""
         size = self.random.shape[2]
         precision, half = np.zeros((len(hyper), size, size)), np.zeros(len(hyper))
         place = 0
@@ -311,7 +311,7 @@ class GroupModel:
         return middles, np.concatenate([reach**-2, np.full(study.n_groups, sd**-2)])
 
     def _theta(self, points: Array, hyper: Array) -> tuple[Array, Array]:
-        """Return the parameters of each cell and their derivatives in the predictors."""
+        """Return the parameters of cells and their derivatives in predictors."""
         theta = np.empty((len(points), len(self.counts), N_PARAMETERS))
         theta[..., LAPSE], theta[..., GUESS] = self.study.lapse_rate or 0.0, self.study.guess_rate or 0.0
         theta[..., self.kept] = points.reshape(*theta.shape[:2], -1)
@@ -327,7 +327,7 @@ class GroupModel:
         return hessian[..., self.kept, :][..., self.kept] * slopes[..., None] * slopes[..., None, :]
 
     def log_likelihood(self, points: Array, hyper: Array) -> Expansion:
-        """Return the log-likelihood of the cells, with derivatives in the predictors.
+        """Return the log-likelihood of cells, with derivatives in predictors.
 
         Predictors have the shape (n_points, n_participants, n_conditions, n_predictors).
         """

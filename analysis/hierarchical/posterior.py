@@ -40,7 +40,7 @@ SMALLEST_SD = 1e-12
 
 @dataclass(frozen=True)
 class InnerMode(Rows):
-    """Mode of means and effects, with one row per point of the hyperparameters.
+    """Mode of means and effects, one row per point of the hyperparameters.
 
     `value` (n,) is the log density. `means` has the shape (n, n_fixed), `effects` (n, n_participants, n_random).
     `points` are the predictors of all cells and `at` their log-likelihoods.
@@ -70,7 +70,7 @@ class Bordered:
 
     @property
     def half_log_determinant(self) -> Array:
-        """Half the log determinant (n,), infinite if the matrix is not positive definite."""
+        """Half the log determinant (n,), infinite if not positive definite."""
         signs, logs = np.linalg.slogdet(self.local)
         sign, log = np.linalg.slogdet(self.schur)
         is_definite = (signs > 0).all(axis=1) & (sign > 0)
@@ -100,7 +100,7 @@ def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) ->
 
 
 def inner_at(model: GroupModel, hyper: Array, precision: Array, means: Array, effects: Array) -> InnerMode:
-    """Return the log density at means and effects, with the likelihood of the cells."""
+    """Return the log density at means and effects."""
     offset = model.offsets(hyper)[:, None] + np.einsum("cdp,np->ncd", model.fixed, means)
     points = offset[:, None] + np.einsum("cdq,niq->nicd", model.random, effects)
     at = model.log_likelihood(points, hyper)
@@ -112,7 +112,7 @@ def inner_at(model: GroupModel, hyper: Array, precision: Array, means: Array, ef
 
 
 def bordered(model: GroupModel, curvature: Array, precision: Array, damping: Array | float = 0.0) -> Bordered:
-    """Return the negative Hessian of means and effects from the curvature of the cells."""
+    """Return the negative Hessian from the curvature of the cells."""
     x, z = model.fixed, model.random
     c, d, q = z.shape
     n, n_people = curvature.shape[:2]
@@ -268,7 +268,7 @@ def sequence(n: int, k: int) -> Array:
 
 
 def _student(n: int, mode: Array, covariance: Array) -> Array:
-    """Transform points in the unit cube to a multivariate Student's t distribution."""
+    """Transform points in the unit cube to a multivariate Student's t."""
     u = sequence(n, len(mode) + 1)
     shrink = np.sqrt(gammaincinv(DF / 2, u[:, -1]) / (DF / 2))
     return np.asarray(mode + ndtri(u[:, :-1]) / shrink[:, None] @ np.linalg.cholesky(covariance).T)
@@ -317,7 +317,7 @@ def _weights(at: Conditional, proposals: list[tuple[Array, Array]], sizes: list[
 
 
 def _moments(x: Array, weights: Array, before: Array) -> tuple[Array, Array]:
-    """Return weighted moments, shrunk towards `before` if there are few effective points."""
+    """Return weighted moments, shrunk towards `before` if uncertain."""
     mean = weights @ x
     away = x - mean
     n = 1 / np.square(weights).sum()

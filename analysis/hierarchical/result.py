@@ -44,7 +44,7 @@ class Contrast:
 
 @dataclass(frozen=True)
 class FactorEffect:
-    """Wald F of an effect with its p; both degrees of freedom are multiplied by `epsilon`."""
+    """Wald F of an effect with p; `epsilon` multiplies both df."""
 
     f: float
     df: int
@@ -101,7 +101,7 @@ class HierarchicalFit:
     width_group: tuple[int, ...] = ()
 
     def contrast(self, weights: Mapping[tuple[float | str, ...], float], *, of: str = "threshold") -> Contrast:
-        """Return a weighted sum of conditions, which are named by their factor values.
+        """Return a weighted sum of conditions, named by their factor values.
 
         Raises
         ------
@@ -148,7 +148,7 @@ class HierarchicalFit:
         return FactorEffect(f, df, df_error, p, epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:
-        """Return Chi and Muller's epsilon, or its lower bound for fewer than 3 participants."""
+        """Return Chi and Muller's epsilon (lower bound below 3 participants)."""
         names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
         wide = self.participants.pivot(index="participant", columns=names, values=column)
         # pandas does not use tuples for a single level
@@ -165,7 +165,7 @@ class HierarchicalFit:
         return [tuple(row) for row in self.conditions[list(self.factors)].itertuples(index=False)]
 
     def _rows(self, weights: Array, of: str) -> Array:
-        """Convert weights of conditions (n_rows, n_conditions) to weights of all means."""
+        """Convert weights of conditions to weights of all means."""
         expect(of in ("threshold", "log_width"), "of", repr(of), "'threshold' or 'log_width'")
         is_fitted = self.n_participants > 1 and len(self.means) > 0
         expect(is_fitted, "participants", self.n_participants, "at least two participants with a fit")

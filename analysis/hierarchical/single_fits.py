@@ -27,7 +27,7 @@ class SingleFits:
 
     @property
     def separated(self) -> bool:
-        """True if the answers of every cell with a threshold change in a single step."""
+        """True if every cell with a threshold changes in a single step."""
         statuses = [one.status for cell in self.cells for one in cell if has_threshold(one)]
         return bool(statuses) and all(status == Status.SEPARATED for status in statuses)
 
@@ -55,7 +55,7 @@ class SingleFits:
         return np.array(ends, dtype=np.float64)
 
     def width_bounds(self) -> Array:
-        """Return the upper bound of the width of each condition's pooled answers, or NaN."""
+        """Return the upper bound of each condition's pooled width, or NaN."""
         return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])
 
     def start(self) -> tuple[Array, Array]:

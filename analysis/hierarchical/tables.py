@@ -33,7 +33,7 @@ WITHOUT_NUMBER = (*CENSORED, Status.FLAT, Status.NO_DATA)
 
 @dataclass(frozen=True)
 class ParameterPlace(Rows):
-    """Thresholds (scaled as in the study) and log widths with their uncertainty.
+    """Thresholds (scaled as in the study) and log widths with uncertainty.
 
     `mean` and `se` have the shape (n_conditions, ..., 2); `ends` of intervals have one more axis. All are NaN for a
     condition without a threshold.
@@ -50,7 +50,7 @@ class ParameterPlace(Rows):
 
     @classmethod
     def of(cls, found: Integrated, values: Array, variances: Array, interval: float) -> "ParameterPlace":
-        """Summarise values (n_points, n_conditions, ..., 2) and variances over all points."""
+        """Summarise values (n_points, n_conditions, ..., 2) over all points."""
         mean = found.mean(values)
         se = np.sqrt(found.mean(variances + np.square(values - mean)))
         ends = [quantiles(found.weights, values, np.sqrt(variances), share) for share in _tails(interval)]

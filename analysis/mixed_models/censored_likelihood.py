@@ -2,7 +2,7 @@
 
 A known value contributes its density, a censored one the probability of its interval. The intercept is integrated by
 adaptive Gauss-Hermite quadrature about its mode (Pinheiro and Chao 2006, Journal of Computational and Graphical
-Statistics 15(1), 58-81), which is exact where nothing is censored.
+Statistics 15(1), 58-81), which is exact without censoring.
 """
 
 from dataclasses import dataclass
@@ -122,7 +122,7 @@ class Intervals:
         return float(value), gradient, mode
 
     def start(self) -> Array:
-        """Return start values by least squares through the middles of intervals or finite ends."""
+        """Return start values by least squares through middles or finite ends."""
         y = middle(np.stack([self.low, self.high], axis=-1))
         beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
         residuals = (y - self.x @ beta)[self.used]
@@ -155,7 +155,7 @@ class _Objective:
 
 
 def maximise(intervals: Intervals) -> Maximum:
-    """Maximise the likelihood by quasi-Newton steps (BFGS), then by Newton steps.
+    """Maximise the likelihood by BFGS, then by Newton steps.
 
     BFGS starts with the inverse Hessian at the start values.
     """

@@ -287,7 +287,7 @@ def _group_means(columns: Array, groups: Indices) -> Array:
 
 @dataclass(frozen=True)
 class InterceptFit:
-    """Estimates for scaled values (y - centre) / scale, before inflation of variances."""
+    """Estimates for (y - centre) / scale, before inflation of variances."""
 
     estimates: Array
     covariance: Array
@@ -298,7 +298,7 @@ class InterceptFit:
 
 
 def _fit(y: Array, design: ModelDesign) -> InterceptFit:
-    """Return statsmodels' fit at the best ratio of participant to residual variance."""
+    """Return statsmodels' fit at the best ratio of variances."""
     from scipy.optimize import minimize_scalar  # slow to load
     from statsmodels.regression.linear_model import OLS
     from statsmodels.regression.mixed_linear_model import MixedLM, MixedLMParams

@@ -15,7 +15,7 @@ COLUMNS = ("form", "item", "question", "code", "category", "n")
 
 
 def categories(trials: Trials) -> pd.DataFrame:
-    """Return the number of participants by question and category, from their last answers."""
+    """Return numbers of participants by question and category."""
     rows = asked_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
         return pd.DataFrame(columns=list(COLUMNS))

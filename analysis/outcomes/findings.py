@@ -1,4 +1,4 @@
-"""Results for one dependent variable: group table, primary analysis, checks, comparisons.
+"""Results for one dependent variable: primary analysis and checks.
 
 The primary analysis is named in the plan. Otherwise a rule chooses it from the design and the missing values, never
 from a result. The other analyses are checks under different assumptions.
@@ -84,7 +84,7 @@ class Outcome:
         return replace(self, notes=(*self.notes, *notes))
 
     def unit(self, of_levels: str) -> str:
-        """Return the unit of the dependent variable; a difference in decibels has no reference."""
+        """Return the unit of the dependent variable."""
         if self.task in RESULTS and not RESULTS[self.task].in_levels:
             return ""
         return of_levels.partition(" re ")[0] if self.dependent in DIFFERENCES else of_levels

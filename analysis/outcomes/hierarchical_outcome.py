@@ -34,7 +34,7 @@ OTHER_MODEL = (
 
 @dataclass(frozen=True)
 class HierarchicalOutcome:
-    """Hierarchical fit of a task, with tables and effects; without a fit, `note` is the reason."""
+    """Hierarchical fit of a task; without a fit, `note` is the reason."""
 
     task: str
     fit: HierarchicalFit | None
@@ -119,7 +119,7 @@ def _with_difference(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _effects(fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> tuple[dict[str, FactorEffect], str]:
-    """Return within-participants main effects and interactions, or the reason why there are none."""
+    """Return effects within participants, or the reason for none."""
     between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
     if between:
         return {}, f"no test of effects: {', '.join(between)} does not vary within participants"

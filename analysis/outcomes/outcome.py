@@ -1,4 +1,4 @@
-"""Computation of the `Outcome` of a table of estimates, with each analysis that its design allows."""
+"""Computation of the `Outcome` of a table of estimates."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ INTERVAL = 0.95
 
 @dataclass(frozen=True)
 class EstimateDesign:
-    """Estimates with bounds, and the factors that vary within or between participants."""
+    """Estimates with bounds, and factors within or between participants."""
 
     table: pd.DataFrame
     dependent: str
@@ -103,7 +103,7 @@ def outcome(
 
 
 def _complete_part(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str, ...]]:
-    """Return the largest complete subset, or notes that explain why there is none."""
+    """Return the largest complete subset, or notes on why there is none."""
     within = design.within
     if not design.factors:
         return None, ("no analysis of variance: no factor has two levels",)
@@ -124,7 +124,7 @@ def _complete_part(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str,
 
 
 def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *, permuted: bool) -> Outcome:
-    """Add the ANOVA of the complete subset, its assumptions, and a permutation test if needed."""
+    """Add the ANOVA of the complete subset, and a permutation test if needed."""
     within, arguments = list(complete.within), design.arguments
     result = replace(result, left_out=complete.left_out)
     try:
@@ -152,7 +152,7 @@ def _anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -
 
 
 def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[str]) -> Outcome:
-    """Add the analysis with censored values, and replace the group's means by those of its model."""
+    """Add the analysis with censored values, and its group means."""
     if len(design.within) > MAX_FACTORS:
         return result
     kept: SubDesign | None = SubDesign(design.table, (), ())
@@ -225,7 +225,7 @@ def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outc
 
 
 def _with_losses(result: Outcome) -> Outcome:
-    """Add a note on the participants and levels that the analysis of the complete subset leaves out."""
+    """Add a note on what the analysis of the complete subset leaves out."""
     if result.anova is None or not result.left_out:
         return result
     is_primary = result.primary in (Primary.ANOVA, Primary.PERMUTATION)
@@ -238,7 +238,7 @@ def _with_losses(result: Outcome) -> Outcome:
 
 @dataclass(frozen=True)
 class _Comparison:
-    """Functions that compare conditions and groups in the same way as an analysis."""
+    """Functions that compare conditions in the same way as an analysis."""
 
     effects: pd.DataFrame
     kept: SubDesign

@@ -108,7 +108,7 @@ class Ratings:
         return notes
 
     def cross(self) -> pd.DataFrame:
-        """Return means with intervals as text: one row per condition, one column per dimension."""
+        """Return means with intervals as text, conditions by dimensions."""
         decimals = decimals_of(self.form.score_high - self.form.score_low)
         long = self.summary.assign(text=[_mean_text(row, decimals) for _, row in self.summary.iterrows()])
         wide = long.pivot(index="condition", columns="dimension", values="text")
@@ -125,7 +125,7 @@ def _mean_text(row: "pd.Series[Any]", decimals: int) -> str:
 
 
 def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
-    """Return the results of each answered questionnaire; `primary` as for `outcome`."""
+    """Return results of each answered questionnaire; `primary` as `outcome`."""
     return tuple(
         _ratings(_rows_of_forms(rows, trials.factors), trials.factors, form, primary)
         for form, rows in asked_forms(trials)
@@ -146,7 +146,7 @@ def asked_forms(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
 
 
 def _rows_of_forms(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return answered rows, and all rows of conditions without any answer (their scores are missing)."""
+    """Return answered rows, and rows of conditions without any answer."""
     answered = rows["response"] != ""
     cells = [rows[name] for name in ("participant", *factors)]
     return rows[answered | ~answered.groupby(cells, dropna=False).transform("any").astype(bool)]

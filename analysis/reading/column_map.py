@@ -1,4 +1,4 @@
-"""Translation of other programs' tables to Tactometry's columns and values."""
+"""Translation of other programs' tables to Tactometry's."""
 
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
@@ -25,7 +25,7 @@ NEEDED = ("participant", "level", "task", "response", POSITIVE, TOTAL)
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """Rules that translate another program's table. Values are compared as text.
+    """Rules that translate another program's table, compared as text.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def read_column_map(path: str | Path) -> ColumnMap:
 
 
 def _plain(value: Any) -> Any:
-    """Normalise the texts of a key in the same way as `text_cells` normalises tables."""
+    """Normalise the texts of a key as `text_cells` normalises tables."""
     if isinstance(value, Mapping):
         return {trimmed(plain_text(name)): _plain(held) for name, held in value.items()}
     if isinstance(value, tuple):
@@ -142,7 +142,7 @@ def translate(
 
 
 def _optional(raw: pd.DataFrame, column_map: ColumnMap, elsewhere: Container[str]) -> list[str]:
-    """Return the optional columns (their names) that only other tables contain."""
+    """Return optional columns (their names) that only other tables have."""
     named = {theirs for ours, theirs in column_map.columns.items() if ours not in NEEDED}
     return sorted(theirs for theirs in named if theirs in elsewhere and theirs not in raw.columns)
 
@@ -156,7 +156,7 @@ def missing_notes(tables: Mapping[Path, pd.DataFrame], column_map: ColumnMap) ->
 
 
 def _unkept_notes(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> Iterator[str]:
-    """Warn about omitted rows whose value differs from a kept one only in case or ".0"."""
+    """Warn about omitted rows that differ from kept ones only in form."""
     for theirs, values in column_map.keep.items():
         kept = {_folded(value) for value in values}
         held = raw[theirs] if theirs in raw.columns else pd.Series(dtype=str)
@@ -171,7 +171,7 @@ def _folded(value: str) -> str:
 
 
 def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
-    """Return all participant codes in a table, including rows that are not trials."""
+    """Return all participant codes in a table, even of omitted rows."""
     name = column_map.columns.get("participant", "participant")
     if name not in raw.columns or "participant" in (*column_map.constants, *column_map.from_name):
         return set()
@@ -181,7 +181,7 @@ def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
 
 
 def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
-    """Return the rows that are trials: with a level, an answer, an item or a catch trial.
+    """Return the rows with a level, an answer, an item or a catch trial.
 
     Other programs also write rows without any of these, for routines.
 
@@ -215,7 +215,7 @@ def _trial_rows(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.Data
 
 
 def _with_our_signs(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
-    """Replace texts that mark missing values by "", and decimal commas by points."""
+    """Replace missing values by "", and decimal commas by points."""
     table = raw.copy()
     for name in (name for name in raw.columns if name != "row"):
         if column_map.missing:
@@ -227,7 +227,7 @@ def _with_our_signs(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
 
 
 def _refuse_thousands(table: pd.DataFrame, file: Path) -> None:
-    """Raise for numbers such as 6.125 in files with decimal commas, as they may mean 6125."""
+    """Raise for numbers such as 6.125, if they may mean 6125."""
     for name in (name for name in NUMBERS if name in table.columns):
         pointed = table[table[name].str.fullmatch(r"[+-]?\d*\.\d+")]
         if len(pointed) and pointed[name].str.fullmatch(r"[+-]?[1-9]\d{0,2}\.\d{3}").all():
@@ -295,7 +295,7 @@ def _with_our_values(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> 
 
 
 def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
-    """Convert numbers to SI units; a later check reports cells that are not numeric."""
+    """Convert numbers to SI units; other cells are reported later."""
     for name, unit in {**_units_of_levels(table, column_map), **column_map.units}.items():
         expect_column(table, name, file, ", which is in [units] of the column map")
         symbol, factor = si_unit(unit, f"units.{name}")

@@ -26,7 +26,7 @@ BELOW_CHANCE_P = 1e-4
 
 
 def contradictions(rows: pd.DataFrame) -> Iterator[str]:
-    """Warn about contradictory columns, with the number of rows and the first row."""
+    """Warn about contradictory columns, with the number of rows."""
     checks = (
         (_wrong_correctness(rows), "a value of 'correct' that contradicts 'response' and 'target'; 'correct' was used"),
         (_beyond_alternatives(rows), "a response or target above 'n_alternatives'; the stated number was used"),
@@ -59,7 +59,7 @@ def _beyond_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def _unused_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Find rows with an alternative that was never chosen and never the target.
+    """Find rows with an alternative never chosen and never the target.
 
     Only tables in which the target varies are examined.
     """

@@ -1,4 +1,4 @@
-"""Interruptions and interventions in sessions, read from journals and event files."""
+"""Interruptions and interventions in sessions."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -19,7 +19,7 @@ EVENT_COLUMNS: Final = ("participant", "session", "onset", "trial_type", "text")
 
 
 def sittings(known: Mapping[SessionKey, Sequence[Head]]) -> pd.DataFrame:
-    """Return the sittings of interrupted sessions, with the changes between sittings."""
+    """Return the sittings of interrupted sessions, with changes."""
     rows = [
         (code, int(session), number, head.started_utc or "", head.begun_s, words)
         for (code, session), heads in known.items()
@@ -45,7 +45,7 @@ def happenings(path: Path) -> pd.DataFrame:
 def session_events(
     path: Path, columns: Sequence[str], read: Callable[[pd.DataFrame], pd.DataFrame]
 ) -> Iterator[pd.DataFrame]:
-    """Yield the result of `read` for the event table (as text) of each session.
+    """Yield the result of `read` for each session's event table.
 
     Raises `InvalidFile` if a file is damaged or lacks one of the columns.
     """

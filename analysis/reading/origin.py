@@ -87,7 +87,7 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
 
 
 def _heads_of(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
-    """Return the journal heads of all sittings, by session; damaged journals are skipped."""
+    """Return the journal heads of all sittings, by session."""
     by_session: dict[SessionKey, tuple[Head, ...]] = {}
     for journal in sorted((path / "journals").glob("participant-*.jsonl")) if path.is_dir() else ():
         with suppress(InvalidFile):

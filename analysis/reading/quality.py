@@ -23,7 +23,7 @@ SLOWEST = "frame_interval_max_s"
 
 
 def frames(path: Path) -> pd.DataFrame:
-    """Return numbers of frames and dropped frames and the longest interval (s) by participant.
+    """Return frames, dropped frames and longest interval by participant.
 
     The result is empty outside a data set folder, or if nothing was shown on a screen.
 
@@ -49,7 +49,7 @@ def with_frames(quality: pd.DataFrame, frames: pd.DataFrame) -> pd.DataFrame:
 
 
 def quality(trials: Trials) -> pd.DataFrame:
-    """Count recorded, practice, invalid, repeated, unanswered and catch trials by participant."""
+    """Count recorded, invalid, repeated and catch trials by participant."""
     rows = trials.rows
     practice, invalid, silent = holds(rows, "practice", 1), holds(rows, "valid", 0), rows["response"] == ""
     catch = is_catch(rows) & ~practice & ~invalid & ~silent
@@ -71,7 +71,7 @@ def quality(trials: Trials) -> pd.DataFrame:
 
 
 def tally_of(trials: Trials) -> Tally:
-    """Count presentations, invalid trials and questionnaire answers as a session does."""
+    """Count presentations and questionnaire answers as a session does."""
     rows = trials.rows
     is_form = (rows["task"] == FORM_TASK) & rows["level"].isna() if "level" in rows.columns else False
     first = rows[_is_first(rows) & ~pd.Series(is_form, rows.index)]
@@ -117,7 +117,7 @@ def _criterion(table: Mapping[str, Any]) -> tuple[int, int] | None:
 
 
 def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Return True for correct answers, and for answers to tasks without a correct answer."""
+    """Return True for answers that are correct or cannot be scored."""
     by_response = rows["task"].isin([name for name, task in TASKS.items() if task.response is YES_OR_NO])
     counted = (numbers_of(rows["response"]) == 1).where(by_response, correctness(rows) != 0)
     return counted.astype(bool)

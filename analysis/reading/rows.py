@@ -54,7 +54,7 @@ def _numbers_of_words(text: "pd.Series[str]") -> Array:
 
 
 def holds(rows: pd.DataFrame, name: str, value: object) -> "pd.Series[bool]":
-    """Return True for rows with this value in a column; the column may be missing."""
+    """Return True for rows with this value in an optional column."""
     return rows[name] == value if name in rows.columns else pd.Series(False, index=rows.index)
 
 
@@ -80,7 +80,7 @@ def correctness(rows: pd.DataFrame) -> "pd.Series[float]":
 
 
 def place_of(rows: pd.DataFrame) -> str:
-    """Return the file and number of the first row, and the numbers of the others."""
+    """Return the file and row of the first row, and the rows of the others."""
     numbers = rows["row"].drop_duplicates().tolist()  # trials from one row of counts share its number
     return f"{rows['source'].iloc[0]}{rows_text(numbers[0], numbers[1:], len(numbers))}"
 

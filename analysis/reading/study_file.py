@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class StudyText:
-    """Title and procedure of a study, and its force (N) if force is not a factor."""
+    """Title and procedure of a study, and its force (N) if fixed."""
 
     title: str = ""
     procedure: str = ""
@@ -36,7 +36,7 @@ def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -
     Raises `InvalidFile` if the study cannot be read, or `read` raises for its table.
     """
     file = path / "study.toml"
-    table = read_table(file, "the study of the session").get(name, {}) if file.is_file() else {}
+    table = read_table(file, "the study that ran").get(name, {}) if file.is_file() else {}
     with errors_in(file):
         expect(isinstance(table, Mapping), name, f"{table!r:.60}", "a table")
         return read(table)

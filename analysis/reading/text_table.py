@@ -41,7 +41,7 @@ def text_cells(
     notes: list[str] | None = None,
     verbatim: bool = False,
 ) -> pd.DataFrame:
-    """Read all cells of a table as text, with the row number in the column `row`.
+    """Read all cells as text, with the row number in the column `row`.
 
     A list of JSON objects is read by `json_cells`, whatever the file name. By default the `separator` is that of a
     first line such as ``sep=;``, or else a comma (in ``.tsv`` files a tab). Empty columns without a name are omitted,
@@ -79,7 +79,7 @@ def _trimmed_cells(table: pd.DataFrame, text: str, separator: str = ",") -> pd.D
 
 
 def _without_sep_line(text: str) -> tuple[str, str, int]:
-    r"""Remove Excel's line ``sep=,``; return the text, separator and number of lines removed.
+    r"""Remove Excel's line ``sep=,``; return text, separator, lines removed.
 
     >>> _without_sep_line("sep=;\r\na;b"), _without_sep_line("a,b")
     (('a;b', ';', 1), ('a,b', '', 0))
@@ -89,7 +89,7 @@ def _without_sep_line(text: str) -> tuple[str, str, int]:
 
 
 def _expect_lines(text: str, separator: str, file: Path) -> None:
-    """Raise for a table without line breaks (a single line with repeated cells)."""
+    """Raise for a table whose line breaks were lost."""
     if "\n" in text.strip() or "\r" in text.strip() or '"' in text:
         return
     cells = text.strip().split(separator)
@@ -225,13 +225,13 @@ def _any_cells(text: str, separator: str, file: Path, n_before: int = 0) -> pd.D
 
 
 def _is_counted(rows: list[list[str]]) -> bool:
-    """Return True if rows start with a row number that has no header, as R writes them."""
+    """Return True if rows start with numbers without a header, as from R."""
     body = [cells for cells in rows[1:] if cells]
     return bool(body) and {len(cells) for cells in body} == {len(rows[0]) + 1} and _counts([row[0] for row in body])
 
 
 def _holds_rows(place: int, cell: str, separator: str, n_columns: int) -> bool:
-    r"""Return True if a cell contains the end of one row and the start of another.
+    r"""Return True if a cell contains the end and start of a row.
 
     >>> _holds_rows(1, "fast,4,n\nS01,", ",", 4), _holds_rows(1, "fast, but\nnot too fast", ",", 4)
     (True, False)
@@ -275,7 +275,7 @@ def _without_nameless(cells: pd.DataFrame, file: Path, notes: list[str]) -> pd.D
 
 
 def _counts(words: Sequence[str]) -> bool:
-    """Return True if the non-empty cells are increasing integers, like row numbers.
+    """Return True if non-empty cells are increasing integers.
 
     >>> _counts(["0", "1", "5", ""]), _counts(["2", "2"]), _counts(["S01"])
     (True, False, False)

@@ -28,7 +28,7 @@ EXPORTED_MAP = "columns.toml"
 
 
 def trial_files(path: Path, *, foreign: bool = False) -> list[Path]:
-    """Return the trials files of a data set or BIDS folder, or `path` itself if it is a file.
+    """Return the trials files of a folder, or `path` if it is a file.
 
     With `foreign`, a folder may also contain another program's tables, directly or in ``data``.
 
@@ -103,7 +103,7 @@ def copy_notes(files: Sequence[Path]) -> Iterator[str]:
 
 
 def _tables_in(folder: Path) -> list[Path]:
-    """Return another program's CSV, TSV and JSON tables, or else its text files."""
+    """Return another program's CSV, TSV and JSON tables, or text files."""
     held = (file for file in _visible_files(folder.glob("*")) if file.stem not in DESCRIPTIONS)
     files = [file for file in held if file.suffix.lower() in TABLES]
     sure = [file for file in files if file.suffix.lower() in (".csv", ".tsv") or _begins_list(file)]
@@ -126,7 +126,7 @@ def _data_files(path: Path) -> list[Path]:
 
 
 def _unread_in_bids(path: Path, used: Sequence[Path]) -> list[Path]:
-    """Return subjects that are not read, and unread runs of the other subjects."""
+    """Return unread subjects, and unread runs of other subjects."""
     read, runs = {file.relative_to(path).parts[0] for file in used}, {_run(file) for file in used}
     subjects = sorted(folder for folder in path.glob("sub-*") if folder.is_dir() and folder.name not in read)
     files = (file for form in OWN_FILES[1:] for file in _visible_files(path.glob(form)))

@@ -141,7 +141,7 @@ def _translated(
 def _lost_notes(
     cells: Mapping[Path, pd.DataFrame], column_map: ColumnMap, rows: pd.DataFrame, path: Path
 ) -> Iterator[str]:
-    """Warn about participants without trials, and about codes that may be the same."""
+    """Warn about participants without trials, and codes that may be equal."""
     stated = set().union(*(stated_codes(table, column_map) for table in cells.values()))
     short = without_separators(stated, path)
     lost = {short.get(code, code) for code in stated} - set(rows["participant"].unique())
@@ -217,7 +217,7 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
 
 
 def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """Give all tables the same columns; missing columns in `ADDED` are added empty.
+    """Give all tables the same columns; those in `ADDED` may be missing.
 
     Raises `InvalidFile` if the other columns of a table differ from those of the first.
     """
@@ -239,7 +239,7 @@ def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.Dat
 
 
 def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
-    """Raise if a code differs from the file name, as a renamed copy counts a participant twice."""
+    """Raise if a code differs from the file name, as in a renamed copy."""
     code = keys_of(file.stem).get("participant")
     if code is not None:
         expected = f"{code!r} as in the file name; remove the file if it is a copy"
@@ -254,7 +254,7 @@ def _checked_table(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     for name in (name for name in (*NUMBERS, *COUNTS) if name in texts):
         table[name] = _numbers(table, name)
     for name in (name for name in FLAGS if name in texts):
-        _expect_texts(table, name, lambda flag: flag in ("", "0", "1"), "1, 0 or an empty cell")
+        _expect_texts(table, name, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
         # Floats, as flags may be missing.
         table[name] = table[name].map({"": np.nan, "0": 0.0, "1": 1.0}).astype(np.float64)
     _check_answers(table)
@@ -271,7 +271,7 @@ def _expect_texts(table: pd.DataFrame, name: str, holds: Callable[[str], bool], 
 
 
 def _expect(table: pd.DataFrame, name: str, fine: "pd.Series[bool]", expected: str) -> None:
-    """Raise for a table with rows that are not `fine`; the error names the first one."""
+    """Raise for the first row that is not `fine`."""
     if fine.all():
         return
     bad = table[~fine]
@@ -293,18 +293,18 @@ def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
     if not fine.all():  # check texts only if needed, as comparing them is slow
         fine |= table[name] == ""
         has_comma = table[name][~fine].head(1).str.fullmatch(r"-?\d+,\d+").any()
-        _expect(table, name, fine, "a decimal point" if has_comma else "a finite number or an empty cell")
+        _expect(table, name, fine, "a decimal point" if has_comma else "a finite number or nothing")
     if name in COUNTS:
         lowest = 2 if name == ALTERNATIVES else 0
         is_count = (values % 1 == 0) & (values >= lowest) | values.isna()
-        _expect(table, name, is_count, f"a whole number of at least {lowest}")
+        _expect(table, name, is_count, f"a whole number from {lowest}")
     return values
 
 
 def _check_answers(table: pd.DataFrame) -> None:
     for task in (task for task in sorted(table["task"].unique()) if TASKS[task].is_read):
         rule, of_task = TASKS[task].response, table["task"] == task
-        expected = f"{rule.words} for the task {task}"
+        expected = f"{rule.words} (task {task})"
         # Integers may be written as 1.0.
         texts = table.loc[of_task, "response"].unique()
         wrong = [text for text in texts if text and ("_" in text or not rule.holds(text.removesuffix(".0")))]

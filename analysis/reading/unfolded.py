@@ -1,4 +1,4 @@
-"""Conversion of counts and jsPsych surveys to tables with one row per answer."""
+"""Conversion of counts and jsPsych surveys to one row per answer."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -57,7 +57,7 @@ def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 
 def with_responses(table: pd.DataFrame, file: Path) -> pd.DataFrame:
-    """Add responses to forced choices that are recorded only as correct or incorrect.
+    """Add responses to forced choices that are only scored as correct.
 
     The chosen interval is then unknown: 1 stands for a correct answer, 2 for an incorrect one.
 
@@ -72,7 +72,7 @@ def with_responses(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 
 def survey_answers(table: pd.DataFrame, file: Path, warn: Callable[[str], None]) -> pd.DataFrame:
-    """Return one row for each item of jsPsych surveys, whose responses are JSON objects."""
+    """Return one row for each item of a jsPsych survey."""
     if not {"task", "response"} <= set(table.columns):
         return table
     nested = table["response"].str.startswith("{")

@@ -23,7 +23,7 @@ def facts_of(means: pd.DataFrame) -> dict[str, object]:
 
 
 def means_text(form: str, means: pd.DataFrame, *dots: str) -> str:
-    """Describe means and intervals; `form` is ``whose``, ``cells``, ``sentence`` or ``figure``.
+    """Describe means: ``whose``, ``cells``, ``sentence`` or ``figure``.
 
     >>> means = pd.DataFrame({"mean": [1.0], "mean_low": [0.5], "n": [2]})
     >>> means_text("whose", means), means_text("cells", means)

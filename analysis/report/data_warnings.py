@@ -162,7 +162,7 @@ def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
 
 
 def _practice_warnings(analysis: Analysis) -> Iterator[str]:
-    """Warn about participants who missed the practice criterion, with the experimenter's decisions."""
+    """Warn about missed practice criteria, and list the decisions."""
     quality, events = analysis.tables["quality"], analysis.table("happenings")
     if "practice_missed" in quality.columns and quality["practice_missed"].any():
         missed = quality.loc[quality["practice_missed"] == 1, "participant"]

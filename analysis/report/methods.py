@@ -26,7 +26,7 @@ SHAPES = {
 
 
 def methods(analysis: Analysis) -> str:
-    """Return a methods paragraph that describes the analyses that ran, with software versions."""
+    """Return a methods paragraph on the analyses that ran, with versions."""
     fitted = [outcome.task for outcome in analysis.hierarchical if outcome.fit]
     used = {name for outcome in analysis.outcomes for name in outcome.equivalence}
     packages = [f"{name} {version(name)}" for name in PACKAGES]
@@ -104,7 +104,7 @@ def _libraries(analysis: Analysis) -> Iterator[str]:
 
 
 def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: str | None) -> str:
-    """Describe the group analyses; `named` is the primary analysis of the plan."""
+    """Describe the group analyses; `named` is the plan's primary analysis."""
     every = [*outcomes, *(outcome for form in forms for outcome in form.outcomes.values())]
     means = [*(outcome.group for outcome in outcomes), *(form.summary for form in forms)]
     tested = [outcome for outcome in every if outcome.analyses().keys() & {Primary.ANOVA, Primary.CENSORED}]

@@ -117,7 +117,7 @@ def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
 
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
-    """Format a table as CSV without cells that a spreadsheet would evaluate as formulas.
+    """Format a table as CSV without cells that could run as formulas.
 
     >>> csv_bytes(pd.DataFrame({"@pattern": ["=1+1", "P0"], "threshold": [-1.5, None]}))
     b"'@pattern,threshold\\n'=1+1,-1.5\\nP0,\\n"

@@ -1,4 +1,4 @@
-"""Parts of a report: sections made of blocks, terminal tables, and JSON values."""
+"""Parts of a report: sections of blocks, and terminal tables."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ class TextGrid:
 
     @cached_property  # cached, as every cell of the page uses it
     def is_text(self) -> tuple[bool, ...]:
-        """True for the first column and for columns that contain a cell without digits.
+        """True for the first column and columns with a cell without digits.
 
         >>> TextGrid(("participant", "mean", "note"), (("P01", "1.2", "no pairs"), ("P02", "", ""))).is_text
         (True, False, True)
@@ -33,7 +33,7 @@ class TextGrid:
 
 
 def grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
-    """Format a table: levels as stated, other numbers with three significant digits.
+    """Format a table: levels as stated, numbers with three digits.
 
     >>> grid(pd.DataFrame({"force_n": [0.5], "mean": [0.5]}), ["force_n"])
     TextGrid(header=('Force (N)', 'mean'), rows=(('0.5', '0.500'),))
@@ -147,7 +147,7 @@ class TextTable:
 
 @dataclass(frozen=True)
 class ResultKind:
-    """Functions that present one kind of result as sections, terminal tables and JSON values."""
+    """Presentation of one kind of result on page, in terminal and as JSON."""
 
     sections: Callable[[Analysis], Iterable[Section]] = field(default=lambda analysis: ())
     terminal: Callable[[Analysis], Iterable[TextTable]] = field(default=lambda analysis: ())

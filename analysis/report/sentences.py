@@ -1,4 +1,4 @@
-"""Sentences about outcomes, hierarchical fits and questionnaires, by heading."""
+"""Sentences about outcomes, fits and questionnaires, by heading."""
 
 import pandas as pd
 
@@ -18,7 +18,7 @@ COMPONENTS = {
 
 
 def outcome_sentences(outcome: Outcome, of_levels: str) -> dict[str, list[str]]:
-    """Return all sentences about an outcome by heading; `of_levels` is the unit of the levels."""
+    """Return all sentences about an outcome, by heading."""
     unit = outcome.unit(of_levels).partition(" re ")[0]  # a difference has no reference
     by_heading = {} if outcome.primary is None else {outcome.heading(): primary_sentences(outcome)}
     for (name, by), table in outcome.simple.items():
@@ -51,7 +51,7 @@ def _analysis_sentences(outcome: Outcome, name: Primary) -> list[str]:
 
 
 def table_sentences(kind: str, table: pd.DataFrame, *facts: object, **named: object) -> list[str]:
-    """Return a sentence for each row of a table, formatted by a macro of `sentences.j2`.
+    """Return a sentence for each row, by a macro of `sentences.j2`.
 
     >>> row = {"Source": "force", "ddof1": 2, "ddof2": 14, "F": 38.121, "p_CM_corr": 6e-6, "eps_CM": 0.9}
     >>> size = {"np2": 0.845, "np2_low": 0.616, "np2_high": 0.892, "ng2": 0.106}
@@ -68,7 +68,7 @@ def table_sentences(kind: str, table: pd.DataFrame, *facts: object, **named: obj
 
 
 def hierarchical_sentences(outcome: HierarchicalOutcome, unit: str) -> list[str]:
-    """Return sentences about effects, variances and rates of a hierarchical fit, and its note."""
+    """Return sentences about effects, variances and rates of a fit."""
     components = {} if outcome.fit is None else outcome.fit.components
     unit = f" {unit.partition(' re ')[0]}" if unit else ""
     known = [name for name in COMPONENTS if name in components]

@@ -1,4 +1,4 @@
-"""Title and procedure of a study, written from its file (defaults are omitted)."""
+"""Title and procedure of a study, written from its file."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -66,14 +66,14 @@ LEVELS = ("levels", "start", "easy_level", "low", "high", "standard_level")
 
 
 def study_text(path: Path, unit: str) -> StudyText:
-    """Return the title, procedure and force of a folder's study, or empty values.
+    """Return title, procedure and force of a folder's study.
 
     Raises `InvalidFile` if the study cannot be read.
     """
     file = path / "study.toml"
     if not file.is_file():
         return StudyText()
-    study = read_table(file, "the study of the session")
+    study = read_table(file, "the study that ran")
     with errors_in(file):
         touch = as_si(dict(_table(study, "touch")), "touch")
     force = touch.get("force_n") if isinstance(touch, dict) else None
@@ -118,7 +118,7 @@ def procedure_text(study: Table, unit: str) -> str:
 
 
 def _table(study: Table, name: str) -> Table:
-    """Return a table of a study, or an empty one, as the file is not validated here."""
+    """Return a table of the (unvalidated) file, or an empty one."""
     table = study.get(name, {})
     return table if isinstance(table, Mapping) else {}
 

@@ -23,7 +23,7 @@ def source(name: str) -> str:
 
 @cache
 def environment(*, is_html: bool = False) -> "Environment":
-    """Return the template environment; with `is_html` it escapes text for HTML."""
+    """Return the template environment, which escapes HTML if `is_html`."""
     from jinja2 import Environment, FunctionLoader, StrictUndefined  # slow to load
 
     found = Environment(

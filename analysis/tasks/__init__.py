@@ -1,1 +1,1 @@
-"""Analyses of tasks by participant and condition, one file per task as in protocols/tasks."""
+"""Analyses of tasks, one file per task as in protocols/tasks."""

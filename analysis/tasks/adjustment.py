@@ -1,4 +1,4 @@
-"""Method of adjustment: mean and SD of a participant's settings (Gescheider 1997, chapter 3)."""
+"""Method of adjustment: mean and SD of settings (Gescheider 1997)."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ DEPENDENT = "setting"
 
 
 def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the mean `setting`, t-interval, SD and number by participant and condition."""
+    """Return mean `setting`, t-interval and SD by participant and condition."""
     return by_condition(rows, ["participant", *factors], _row)
 
 

@@ -1,4 +1,4 @@
-"""Applied force by participant and condition, and share of time in the target band."""
+"""Applied force, and share of time in the target band."""
 
 from collections.abc import Sequence
 
@@ -18,7 +18,7 @@ def has_force(rows: pd.DataFrame) -> bool:
 
 
 def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return mean force, SD, time in band and number of trials by participant and condition.
+    """Return mean force, SD and time in band by participant and condition.
 
     The SD is the mean standard deviation within trials. If force is a factor, the deviation from the target is added.
     """
@@ -33,7 +33,7 @@ def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.Data
 
 
 def force_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the mean force of each condition with its t-interval and time in band.
+    """Return the mean force of each condition with its t-interval.
 
     This is table 6.2 of the thesis.
     """

@@ -1,4 +1,4 @@
-"""Counts of answers of one participant in one condition, and arrays of them for batches of fits."""
+"""Counts of answers of cells, and arrays of them for batches of fits."""
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
@@ -72,7 +72,7 @@ def _cell(key: tuple[Any, ...], rows: pd.DataFrame) -> Cell:
 
 
 def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
-    """Stack levels, "yes" answers and trials of cells as arrays (n_cells, n_levels).
+    """Stack levels, "yes" answers and trials as (n_cells, n_levels).
 
     Short rows are padded with levels without trials.
     """
@@ -86,6 +86,6 @@ def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
 
 
 def catch_counts(cells: Sequence[Cell], counting: Container[str]) -> tuple[list[int], list[int]]:
-    """Return the false alarms and catch trials of cells; 0 for tasks that are not in `counting`."""
+    """Return false alarms and catch trials; 0 for tasks not in `counting`."""
     used = [(cell.n_false_alarms, cell.n_catch) if cell.task in counting else (0, 0) for cell in cells]
     return [n_false_alarms for n_false_alarms, _ in used], [n_catch for _, n_catch in used]

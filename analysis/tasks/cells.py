@@ -38,7 +38,7 @@ COLUMNS = (
 
 
 def level_unit(trials: Trials) -> str:
-    """Return the common unit of the analysed levels, or else of all levels; "" if there is none.
+    """Return the common unit of the levels, or "".
 
     Raises
     ------
@@ -60,12 +60,12 @@ def level_unit(trials: Trials) -> str:
 
 
 def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
-    """Count the answers of each cell, ordered by participant, condition and task."""
+    """Count the answers of each participant in each condition and task."""
     return counted_cells(answers.assign(n_choices=alternatives(answers, factors)), factors)
 
 
 def judgements(used: pd.DataFrame) -> pd.DataFrame:
-    """Return rows of tasks with a psychometric function, with `yes`, `is_catch` and level `x`.
+    """Return rows of tasks with a function, with `yes` and level `x`.
 
     `yes` is 1 or 0, or NaN if it is unknown.
     """
@@ -89,7 +89,7 @@ def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
 
 
 def alternatives(answers: pd.DataFrame, factors: Sequence[str]) -> "pd.Series[float]":
-    """Return the number of alternatives for each row; 2 for tasks that are not forced choices.
+    """Return the number of alternatives of each row (2 if no forced choice).
 
     The number is stated in `n_alternatives`, or inferred as the highest interval that was chosen or a target. If a
     condition may lack the overall highest interval by chance (probability above `BY_CHANCE`), it has the overall
@@ -149,7 +149,7 @@ def estimates(cells: Sequence[Cell], unit: str = "", interval: float = 0.95) -> 
 
 
 def curves_of(cells: Sequence[Cell]) -> list[tuple[str, int]]:
-    """Return each combination of task and number of alternatives, in the order of `CURVES`."""
+    """Return each combination of task and number of alternatives."""
     found = {(cell.task, cell.n_choices) for cell in cells}
     return [(task, n) for task in CURVES for n in sorted(n for name, n in found if name == task)]
 
@@ -176,7 +176,7 @@ MAX_LEVELS = 16
 
 
 def detection_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return rates by condition and level with Wilson intervals, pooled over participants.
+    """Return rates by condition and level, pooled over participants.
 
     More than `MAX_LEVELS` levels are pooled into classes of equal width, with their mean as level.
     """
@@ -199,7 +199,7 @@ def _classes(levels: Array, weights: Array) -> Array:
 
 
 def mean_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the rate over all levels by condition, averaged over participants."""
+    """Return rates over all levels, averaged over participants."""
     keys = [*factors, "task"]
     sums = counts.groupby(["participant", *keys], observed=True)[["n_yes", "n_trials"]].sum().reset_index()
     rates = sums.assign(rate=sums["n_yes"] / sums["n_trials"])

@@ -1,4 +1,4 @@
-"""Comparison with a standard: point of subjective equality and just noticeable difference."""
+"""Comparison with a standard: PSE and just noticeable difference."""
 
 from collections.abc import Mapping
 from typing import Any

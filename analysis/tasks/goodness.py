@@ -48,7 +48,7 @@ def goodness_columns(
     rng: np.random.Generator,
     counting: Container[str] = (),
 ) -> pd.DataFrame:
-    """Return the goodness-of-fit statistics, their p, and `misfit` of each estimate.
+    """Return statistics, p and `misfit` of each estimate.
 
     `misfit` lists the tests with a small p. `options` are the options of the fits, by task and number of alternatives.
     Tasks in `counting` use catch trials.
@@ -125,7 +125,7 @@ def _logarithm(levels: Array) -> Array:
 
 
 def _parameters(estimates: Sequence[Estimate], counts: Counts, on_axis: Callable[[Array], Array]) -> Array:
-    """Return the parameters (n_sets, 4) of the fitted functions on the scale of the counts."""
+    """Return the parameters (n_sets, 4) on the scale of the counts."""
     fits = [estimate.fit for estimate in estimates]
     rows = [(f.threshold, f.width, f.lapse_rate, f.guess_rate) for f in (fit.function for fit in fits) if f]
     threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
@@ -135,7 +135,7 @@ def _parameters(estimates: Sequence[Estimate], counts: Counts, on_axis: Callable
 
 
 def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Counts) -> Sequences:
-    """Arrange the answers by set, stretch and level of `counts`; `levels` are (n_sets, n_levels)."""
+    """Arrange the answers by set, stretch and level of `counts`."""
     u = (levels - counts.centre[:, None]) / counts.spread[:, None]
     is_apart = np.diff(u, axis=1) > POOLED_BELOW
     first = np.zeros((len(levels), 1), dtype=np.int64)
@@ -150,7 +150,7 @@ def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Count
 
 
 def goodness_table(estimates: pd.DataFrame) -> pd.DataFrame:
-    """Return the numbers of functions tested, flagged and expected by chance for each test."""
+    """Return numbers of functions tested, flagged and flagged by chance."""
     tested = {name: estimates[column].dropna() for name, column in P_COLUMNS.items()}
     counts = {name: (len(p), int((p <= FLAGGED_P).sum()), FLAGGED_P * len(p)) for name, p in tested.items() if len(p)}
     rows = [(name, *numbers, TESTS[name]) for name, numbers in counts.items()]
@@ -170,7 +170,7 @@ def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> Iterat
 
 
 def _is_surprising(p: "pd.Series[float]") -> bool:
-    """Return True if more p are small than expected for uniform p, at one of two bounds.
+    """Return True if more p are small than expected by chance.
 
     >>> _is_surprising(pd.Series([0.001] + 9 * [0.5])), _is_surprising(pd.Series([0.009] + 9 * [0.5]))
     (True, False)

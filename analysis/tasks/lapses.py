@@ -1,4 +1,4 @@
-"""Likelihood-ratio test of lapse rates between conditions, as lapses can shift thresholds."""
+"""Likelihood-ratio test of lapse rates between conditions."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -27,7 +27,7 @@ LEAST = 1e-9
 
 
 def lapse_table(estimates: Sequence[Estimate], factors: Sequence[str]) -> pd.DataFrame:
-    """Estimate the lapse rate of each condition, and test whether they are equal.
+    """Estimate the lapse rate of each condition, and test for equality.
 
     There is one row per condition, with an interval of the profile likelihood (maximised over the participants'
     thresholds and widths).

@@ -1,4 +1,4 @@
-"""Localisation: correct answers by distance between places, confusions, and resolution.
+"""Localisation: correct answers by distance, confusions, resolution.
 
 The rate correct among m places rises with their distance from 1/m to 1. At the resolution it is halfway, for example 75
 % for two places, as in any forced choice (Green and Swets 1966).
@@ -28,7 +28,7 @@ FEW_LEVELS = 8
 
 
 def conditions_of(rows: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    """Return the factors except place and distance, plus `level` if it has few values."""
+    """Return the factors except place and distance, plus few levels."""
     places = {place_factor(rows, [name]) for name in factors}
     kept = [name for name in factors if name not in places and not _is_distance(rows, name)]
     n_levels = rows["level"].nunique() if "level" in rows.columns else 0
@@ -45,7 +45,7 @@ def place_factor(rows: pd.DataFrame, factors: Sequence[str]) -> str | None:
 
 
 def n_alternatives(rows: pd.DataFrame) -> int:
-    """Return the number of alternatives: the highest stated, correct or chosen one, at least 2."""
+    """Return the number of alternatives, at least 2."""
     stated = rows["n_alternatives"].max() if "n_alternatives" in rows.columns else np.nan
     return int(np.fmax(max(2, rows["target"].max(), numbers_of(rows["response"]).max()), stated))
 
@@ -60,7 +60,7 @@ def _follows(rows: pd.DataFrame, value: str, name: str) -> bool:
 
 
 def right_answers(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return rates correct by condition and distance with Wilson intervals, pooled over participants."""
+    """Return rates correct by distance, pooled over participants."""
     judged = _judged(rows)
     counts = _counts(judged, [*conditions_of(judged, factors), *_distance(judged)])
     if counts.empty:
@@ -145,7 +145,7 @@ def _mean(each: pd.DataFrame) -> Mapping[str, Any]:
 
 
 def confusions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the number and share of answers by condition, distance, correct and chosen place."""
+    """Return shares of answers by condition, correct and chosen place."""
     judged = _judged(rows)
     if judged.empty:
         return pd.DataFrame()
@@ -162,7 +162,7 @@ def confusions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def errors(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the number and share of answers by condition, distance and error (m)."""
+    """Return shares of answers by condition, distance and error (m)."""
     judged = _judged(rows)
     if not _distance(judged):
         return pd.DataFrame()

@@ -1,4 +1,4 @@
-"""Magnitude estimation: exponent of the power law psi = k A^n (Stevens 1957, Psychological Review 64(3), 153-181).
+"""Magnitude estimation: exponent of the power law psi = k A^n.
 
 The exponent is the slope of a straight line in logarithms, which does not depend on the participant's unit.
 """
@@ -59,7 +59,7 @@ def magnitude_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the geometric mean over participants by level, after modulus equalisation.
+    """Return geometric means by level, after modulus equalisation.
 
     Lane, Catania and Stevens 1961, Journal of the Acoustical Society of America 33(2), 160-167.
     """

@@ -14,7 +14,7 @@ NEEDED = ("level_unit", "level_measured")
 
 
 def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> "pd.Series[float]":
-    """Return the loss 1 - A' / A; levels are in decibels if `in_db`, or else amplitudes.
+    """Return the loss 1 - A' / A, from decibels if `in_db`.
 
     >>> loss_of(pd.Series([20.0, 4.0]), pd.Series([14.0, 3.0]), pd.Series([True, False])).round(3).tolist()
     [0.499, 0.25]
@@ -26,7 +26,7 @@ def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> 
 
 
 def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return mean `loss`, interval over readings and mean force by participant and condition.
+    """Return mean `loss` and force by participant and condition.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def _condition(participants: pd.DataFrame) -> dict[str, object]:
 
 
 ANALYSIS = TaskAnalysis(
-    "A sensor was read",
+    "A sensor measured the stimulus",
     "lme4::lmer(level_measured ~ {plus} + (1 | participant), {data})",
     results=Results({"loss_participants": losses, "loss": loss_table}),
 )

@@ -44,7 +44,7 @@ def bradley_terry(
     *,
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Estimate the worths of the items of paired comparisons by maximum likelihood.
+    """Estimate the worths of items of paired comparisons.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def bradley_terry(
 
 
 def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
-    """Return a note on items never preferred to some others, directly or indirectly (Ford 1957)."""
+    """Return a note on items never preferred to some others (Ford 1957)."""
     from scipy.sparse.csgraph import connected_components  # slow to load
 
     beats = np.zeros((len(items), len(items)))
@@ -105,7 +105,7 @@ def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
 def _fit_worths(
     places: Indices, prefers_first: Bools, participants: Sequence[str] | None
 ) -> tuple[Array, Array, float] | None:
-    """Return worths with the effect of the order, standard errors and degrees of freedom.
+    """Return worths with the effect of order, standard errors and df.
 
     `places` (2, n_trials) are the indices of both items of each pair. Degrees of freedom are infinite for normal
     intervals. Returns None if the order separates the answers.
@@ -132,7 +132,7 @@ def _fit_worths(
 
 
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the worths of the items by condition, followed by the effect of the order.
+    """Return worths by condition, followed by the effect of order.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def _check_pairs(rows: pd.DataFrame) -> None:
 
 
 def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the share of pairs in which each item was preferred, with exact 95 % intervals.
+    """Return the share of pairs in which each item was preferred.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
-    """Add the unit of the factor to items, and sort them by number within each condition."""
+    """Add units to items, and sort them by number."""
     del unit
     # The column of the compared factor is empty, as each trial compares two of its levels.
     stated = stated_factors(list(trials.rows.columns))

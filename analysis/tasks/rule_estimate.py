@@ -1,4 +1,4 @@
-"""Tracks of the procedure that chose the levels, and its own threshold estimate."""
+"""Tracks of the procedure, and its own threshold estimate."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from ..reading.unfolded import COUNTED
 from .cell import Estimate
 
 RUN = ("session", "study", "block")
-"""Columns that identify a block of one participant."""
+"""Columns that identify a block, together with the participant."""
 DISCARDED = 2
 """Number of initial reversals that are discarded (Levitt 1971)."""
 FIXED = ("constant", "constant_stimuli", COUNTED, EASY)
@@ -24,7 +24,7 @@ FIXED = ("constant", "constant_stimuli", COUNTED, EASY)
 
 @dataclass(frozen=True)
 class RuleEstimate:
-    """Estimate of one run, with the SD and number of its reversals or answers, and a note."""
+    """Estimate of one run, with SD and number of reversals or answers."""
 
     estimate: float | None = None
     sd: float | None = None
@@ -77,7 +77,7 @@ def _mean_estimate(runs: Sequence[RuleEstimate]) -> RuleEstimate:
 
 
 def from_rows(run: pd.DataFrame) -> RuleEstimate:
-    """Estimate from the levels of a run alone, as the mean of a staircase's reversals."""
+    """Estimate from the levels of a run, as the mean of reversals."""
     run = run[run["procedure"] != EASY] if "procedure" in run.columns else run
     names = set(run["procedure"]) if "procedure" in run.columns else set()
     name = str(next(iter(names))) if len(names) == 1 else ""
@@ -100,7 +100,7 @@ def reversals(levels: Sequence[float]) -> list[float]:
 
 
 def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
-    """Return the mean of an even number of reversals, without at least the first two."""
+    """Return the mean of an even number of late reversals."""
     kept = turns[DISCARDED + (len(turns) - DISCARDED) % 2 :]  # equal numbers of peaks and valleys
     if len(kept) < 2:
         return RuleEstimate(note=f"too few reversals: {len(turns)} {where}")
@@ -108,7 +108,7 @@ def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
 
 
 def tracks(judged: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the trials of adaptive tracks without catch trials, numbered by `step` from 1."""
+    """Return the trials of adaptive tracks, numbered by `step` from 1."""
     if "procedure" not in judged.columns:
         return pd.DataFrame()
     rows = judged[~judged["procedure"].isin(FIXED) & ~judged["is_catch"]]

@@ -1,4 +1,4 @@
-"""Sensitivity in same-different trials under two decision rules (Macmillan and Creelman 2005, chapter 9)."""
+"""Same-different sensitivity (Macmillan and Creelman 2005, chapter 9)."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -69,7 +69,7 @@ def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> t
 
 
 def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return counts and d' under both rules by participant, condition and level.
+    """Return counts and d' by participant, condition and level.
 
     Without a d', `note` is the reason.
     """

@@ -1,4 +1,4 @@
-"""Signal detection theory: sensitivity, criterion, forced choice and interval bias.
+"""Signal detection theory: sensitivity, criterion, interval bias.
 
 Green and Swets, Signal Detection Theory and Psychophysics (1966). Hautus 1995 for the log-linear correction.
 """
@@ -19,7 +19,7 @@ LARGEST_D_PRIME = 12.0
 
 
 class SensitivityIndex(NamedTuple):
-    """d' and criterion c of a yes/no task, in standard deviations of the noise."""
+    """d' and criterion c of a yes/no task, in SDs of the noise."""
 
     d_prime: float
     criterion: float
@@ -47,7 +47,7 @@ def z_score(name: str, k: int, of: str, n: int) -> float:
 
 
 def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
-    """Return the probability of a correct, unbiased choice among m alternatives.
+    """Return the probability of a correct choice among m alternatives.
 
     It is the integral of phi(x - d') Phi(x)^(m - 1).
 
@@ -57,7 +57,7 @@ def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
         If there are fewer than two alternatives or d' is not finite.
     """
     is_number = n_alternatives >= 2 and n_alternatives == int(n_alternatives)
-    expect(is_number, "n_alternatives", n_alternatives, "a whole number of at least 2")
+    expect(is_number, "n_alternatives", n_alternatives, "a whole number from 2")
     expect(np.isfinite(d_prime), "d_prime", d_prime, "a finite number")
     x, weights = hermegauss(QUADRATURE_NODES)  # weight exp(-x^2 / 2), which is phi(x) except for the normalisation
     chances = np.exp((n_alternatives - 1) * log_ndtr(x + d_prime))
@@ -100,7 +100,7 @@ class IntervalBias(NamedTuple):
 
 
 def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals: int = 2) -> IntervalBias:
-    """Summarise a forced choice from the targets and responses (from 1) of valid trials.
+    """Summarise a forced choice from targets and responses (from 1).
 
     Raises
     ------

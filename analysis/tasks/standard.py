@@ -1,4 +1,4 @@
-"""Tests of comparisons: point of subjective equality against the standard, and lowest level."""
+"""Tests of comparisons: PSE against the standard, and lowest level."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -93,7 +93,7 @@ def _tests(
 def _mean_jnd(
     cells: pd.DataFrame, factors: Sequence[str], key: tuple[object, ...], jnds: pd.DataFrame | None
 ) -> dict[str, object]:
-    """Return the mean JND of a condition, from the group table if participants match."""
+    """Return the mean JND of a condition."""
     if jnds is not None and len(row := jnds[(jnds[list(factors)] == list(key[:-1])).all(axis=1)]) == 1:
         group = row.iloc[0]
         if group[list(COUNTS)].sum() == len(cells):
@@ -104,7 +104,7 @@ def _mean_jnd(
 
 
 def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
-    """Return the mean difference with interval and t-test; no test if all differences are equal."""
+    """Return the mean difference with interval and t-test, if defined."""
     row = mean_row(np.asarray(differences, dtype=np.float64), name="difference")
     sd, n = row.pop("sd"), len(differences)
     if not sd:
@@ -115,7 +115,7 @@ def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
 
 
 def lowest_levels(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
-    """Test if "more" at the lowest level is more frequent than `HIGHEST_FLOOR` (binomial, one-sided)."""
+    """Test if "more" is too frequent at the lowest level (binomial)."""
     keys = [*factors, "task"]
     compared = [cell for cell in cells if cell.task in TASKS and cell.levels]
     rows = [(*cell.condition, cell.task, cell.n_yes[0], cell.n_trials[0]) for cell in compared]
@@ -128,7 +128,7 @@ def lowest_levels(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame
 
 
 def floor_warnings(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """Warn about conditions in which lapses cannot explain the "more" answers at the lowest level."""
+    """Warn about too many "more" answers at the lowest level."""
     for row in table.to_dict("records"):
         if row["p"] <= FLOOR_P:
             where = condition_name(factors, [row[name] for name in factors])

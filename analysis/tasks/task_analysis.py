@@ -1,4 +1,4 @@
-"""Classes that describe the analysis of a task; each task's file defines one `ANALYSIS`."""
+"""Classes that describe the analysis of a task."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -54,7 +54,7 @@ class Curve:
 
     @property
     def dependents(self) -> tuple[str, ...]:
-        """Values that are compared between conditions."""
+        """Names of the variables that are compared between conditions."""
         return ("pse", "jnd") if self.has_difference else ("threshold",)
 
 
@@ -137,7 +137,7 @@ class TaskAnalysis:
 
     @property
     def dependents(self) -> tuple[str, ...]:
-        """Values that are compared between conditions."""
+        """Names of the variables that are compared between conditions."""
         if self.curve is not None:
             return self.curve.dependents
         return (self.results.dependent,) if self.results is not None and self.results.dependent else ()

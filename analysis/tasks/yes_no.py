@@ -1,4 +1,4 @@
-"""Yes/no detection: threshold, with the guess rate estimated from catch trials."""
+"""Yes/no detection: threshold, with guess rate from catch trials."""
 
 from .task_analysis import R_OF_LEVEL, Curve, TaskAnalysis, detection
 

@@ -21,7 +21,7 @@ N_DRAWS = 500
 
 @dataclass(frozen=True)
 class CurveBand:
-    """Lower end, median and upper end of psi at `levels`, and the same for the threshold."""
+    """Lower end, median and upper end of psi at `levels`, and of threshold."""
 
     levels: Array
     low: Array
@@ -75,7 +75,7 @@ def curve_band(
 
 
 def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
-    """Return nodes (n_draws, 4) at equal steps of cumulated mass of one posterior."""
+    """Return nodes (n_draws, 4) at equal steps of posterior mass."""
     prior, box = posterior.prior, find_box(posterior, find_mode(posterior))
     axes, mass = masses_in(posterior, box.low[0], box.high[0])
     cumulated = np.cumsum(mass.ravel(), dtype=np.float64)

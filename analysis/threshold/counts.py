@@ -37,7 +37,7 @@ class Counts(Rows):
         return len(self.u)
 
     def by_level(self) -> "Counts":
-        """Return the counts with all sets of a level adjacent in memory, for faster sums."""
+        """Return the counts with sets adjacent in memory, for faster sums."""
         u, k, n = (np.asfortranarray(values) for values in (self.u, self.n_yes, self.n_trials))
         return replace(self, u=u, n_yes=k, n_trials=n)
 
@@ -69,14 +69,14 @@ def count_arrays(
     used = n != 0
     # The tests are negated expectations, so that NaN is rejected too.
     is_size = np.isfinite(n) & (n > 0) & (n == np.floor(n))
-    _refuse("n_trials", n, used & ~is_size, "a whole number of at least 0")
+    _refuse("n_trials", n, used & ~is_size, "a whole number from 0")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
     _refuse("levels", x, used & (np.abs(x) > LARGEST), f"an absolute value of at most {LARGEST:g}")
     if logarithms:
         _refuse("levels", x, used & ~(x > 0), "a level above 0, as its logarithm is fitted")
         x = np.log(np.where(used, x, 1.0))
     is_count = (k >= 0) & (k == np.floor(k))
-    _refuse("n_correct", k, used & ~is_count, "a whole number of at least 0")
+    _refuse("n_correct", k, used & ~is_count, "a whole number from 0")
     _refuse("n_correct", k, used & (k > n), "at most n_trials of the row")
     return np.where(used, x, 0.0), np.where(used, k, 0.0), np.where(used, n, 0.0)
 
@@ -124,7 +124,7 @@ def _ends(x: Array, used: Bools) -> tuple[Array, Array]:
 
 
 def _tukey_range(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Clip the range to Tukey's fences (1977), unless the interquartile range is 0."""
+    """Clip the range to the fences of Tukey (1977), if quartiles differ."""
     share = np.cumsum(n, axis=1) / np.maximum(n.sum(axis=1, keepdims=True), 1)
     places = ((share < quarter).sum(axis=1, keepdims=True) for quarter in (0.25, 0.75))
     first, third = (np.take_along_axis(x, np.minimum(place, x.shape[1] - 1), 1)[:, 0] for place in places)

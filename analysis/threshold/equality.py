@@ -1,4 +1,4 @@
-"""Point of subjective equality and just noticeable difference of comparisons."""
+"""PSE and just noticeable difference of comparisons."""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -31,7 +31,7 @@ UNKNOWN = (
 
 @dataclass(frozen=True)
 class Equality:
-    """Posterior lower end, median and upper end of PSE and JND, in the unit of the levels."""
+    """Lower end, median and upper end of PSE and JND."""
 
     pse: tuple[float, float, float]
     jnd: tuple[float, float, float]
@@ -40,7 +40,7 @@ class Equality:
 def fit_comparisons(
     levels: ArrayLike, n_more: ArrayLike, n_trials: ArrayLike, *, interval: float = 0.95, **options: Any
 ) -> tuple[ThresholdFit, ...]:
-    """Fit comparisons; return points of subjective equality and just noticeable differences.
+    """Fit comparisons; return PSEs and just noticeable differences.
 
     >>> (found,) = fit_comparisons([36, 38, 40, 42, 44], [1, 3, 10, 17, 19], 20, guess_rate=None, scale_free_width=True)
     >>> 39.5 < found.threshold < 40.5, 1 < found.jnd < 3

@@ -1,4 +1,4 @@
-"""Results of fits of many data sets, with statuses, in the unit of the levels."""
+"""Results of fits of many data sets, in the unit of the levels."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Fits of thresholds to counts of answers: one fit, or thousands in one call.
+"""Fits of thresholds to counts: one fit, or thousands in one call.
 
 Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision Research 122,
 105-123). The status and the bound of an out-of-range threshold come from the binomial posterior.
@@ -151,7 +151,7 @@ def fitting(
     estimate: str = "mode",
     **prior: Unpack[PriorOptions],
 ) -> Fitting:
-    """Return data sets with priors and options, ready to be fitted by `fit_many`."""
+    """Return data sets with priors and options for `fit_many`."""
     between("fit", 0, 1, interval=interval)
     one_of("method", method, METHODS)
     one_of("estimate", estimate, ESTIMATES)
@@ -197,7 +197,7 @@ def log_posterior(
 
 
 def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) -> None:
-    """Raise for rates that are out of range or leave no room for the function to rise."""
+    """Raise for rates that are out of range or leave no room to rise."""
     rates = {"guess_rate": guess_rate, "lapse_rate": lapse_rate}
     below_1(owner, **{name: rate for name, rate in rates.items() if rate is not None})
     # Known rates that sum to 1 leave no room to rise; free rates reach this only at the ends of their priors.
@@ -211,7 +211,7 @@ def _catch_trials(n_false_alarms: ArrayLike, n_catch: ArrayLike, n_sets: int) ->
     alarms, catch = (np.broadcast_to(np.asarray(n, dtype=np.float64), (n_sets,)) for n in (n_false_alarms, n_catch))
     for stated, counts in ((n_false_alarms, alarms), (n_catch, catch)):
         is_whole = ((counts >= 0) & (counts == np.floor(counts))).all()
-        expect(is_whole, "n_false_alarms, n_catch", repr(stated), "whole numbers of at least 0")
+        expect(is_whole, "n_false_alarms, n_catch", repr(stated), "whole numbers from 0")
     expect((alarms <= catch).all(), "n_false_alarms", repr(n_false_alarms), f"at most n_catch, {n_catch!r}")
     return alarms, catch
 

@@ -1,4 +1,4 @@
-"""Goodness of fit, tested by the deviance and residuals of simulated answers.
+"""Goodness of fit, tested by simulation.
 
 Each statistic is compared with its parametric bootstrap, in which every draw is fitted again (Wichmann and Hill 2001,
 Perception & Psychophysics 63, 1293-1313). With one or two answers per level the deviance is not chi-squared
@@ -100,7 +100,7 @@ def statistics(shape: Shape, counts: Counts, theta: Array, answers: Sequences) -
 
 
 def _bend(u: Array, off: Array, variance: Array) -> Array:
-    """Return z of the residuals weighted by the squared level, after removing its linear part."""
+    """Return z of residuals weighted by the square of the level."""
     away = u - _mean(u, variance)
     square = _mean(away**2, variance)
     line = _mean(away**3, variance) / np.maximum(square, SMALLEST_VARIANCE)
@@ -124,14 +124,14 @@ def _z(weight: Array, off: Array, variance: Array) -> Array:
 
 
 def _dispersion(off: Array, spread: Array, weight: Array) -> Array:
-    """Return the weighted squared residuals of stretches divided by their expectation."""
+    """Return squared residuals of stretches over their expectation."""
     squares = np.square((off * weight[:, None]).sum(axis=2)).sum(axis=1)
     expected = (spread * weight[:, None] ** 2).sum(axis=(1, 2))
     return np.asarray(squares / np.maximum(expected, SMALLEST_VARIANCE))
 
 
 def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: int, rng: np.random.Generator) -> Array:
-    """Return the statistics (n_sets, n_draws, 4) of simulated and refitted answers."""
+    """Return statistics (n_sets, n_draws, 4) of refitted simulations."""
     shape, counts = posterior.shape, posterior.counts
     same = np.repeat(np.arange(len(counts)), n_draws)
     chance = np.minimum(np.exp(log_chances(shape, counts.u, theta)[0]), 1.0)

@@ -69,7 +69,7 @@ _LINEAR: dict[Shape, Callable[[Array], tuple[Array, Array, Array]]] = {
 
 
 def linear(shape: Shape, z: Array) -> tuple[Array, Array, Array]:
-    """Return S, 1 - S and the density of S at z, each with full relative precision."""
+    """Return S, 1 - S and the density of S at z, each precise."""
     return _LINEAR[shape](z)
 
 
@@ -109,7 +109,7 @@ def _slopes(first: Array, second: Array, parts: tuple[Array, Array, Array], span
 
 
 def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> tuple[Array, Slopes]:
-    """Return the log-likelihood of `answers` (n_yes, n_no) at z, and its derivatives.
+    """Return the log-likelihood of answers at z, and its derivatives.
 
     z has the shape (..., n_levels); rates broadcast to it.
 
@@ -153,13 +153,13 @@ def _ratio(log_part: Array, log_chance: Array) -> Array:
 
 
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
+    """Return log psi and log(1 - psi) at levels (..., n_levels)."""
     z, _, _ = _z(shape, u, theta)
     return log_mixture(shape.log_cdf(z), shape.log_sf(z), *_rates(theta))
 
 
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return `log_chances` (n_rates, n_curves, n_levels) of curves that are equal along axis 0."""
+    """Return `log_chances` of curves that are equal along axis 0."""
     guess, lapse = _rates(theta)
     z, _, _ = _z(shape, u, theta[:1])
     if guess.min() == 0 or lapse.min() == 0:
@@ -181,7 +181,7 @@ def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:
 
 
 def saturated_log_likelihood(counts: Counts) -> Array:
-    """Return the log-likelihood of the saturated model (a rate for each level)."""
+    """Return the log-likelihood of a rate for each level."""
     return np.asarray(constant_log_likelihood(counts.n_yes, counts.n_trials).sum(axis=-1))
 
 
@@ -224,7 +224,7 @@ def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Arr
 
 
 def _chain(value: Array, by: Slopes, to_m: Array, to_v: Array) -> Expansion:
-    """Sum over levels, and convert derivatives in z to threshold and log width."""
+    """Sum over levels; convert derivatives to threshold and log width."""
     with np.errstate(over="ignore", invalid="ignore"):
         zz_v = by.zz * to_v
         z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
@@ -244,7 +244,7 @@ def _sums(*terms: Array) -> list[Array]:
 
 
 def information(shape: Shape, counts: Counts, theta: Array) -> Array:
-    """Return the Fisher information (..., 4, 4) of answers at the levels of `counts`."""
+    """Return the Fisher information (..., 4, 4) of answers at the levels."""
     z, to_m, to_v = _z(shape, counts.u, theta)
     (guess, lapse), parts = _rates(theta), linear(shape, z)
     span = 1 - guess - lapse
@@ -257,7 +257,7 @@ def information(shape: Shape, counts: Counts, theta: Array) -> Array:
 
 
 def log_weight(p: Array, q: Array, k: float, n: float, eta: float) -> Array:
-    """Return the log probability of one order of k "yes" in n beta-binomial answers.
+    """Return the log probability of one order of beta-binomial answers.
 
     The mean probability is p = 1 - q.
 

@@ -1,4 +1,4 @@
-"""Log posterior of psychometric functions with the priors of psignifit 4 (Schuett et al. 2016).
+"""Log posterior with the priors of psignifit 4 (Schuett et al. 2016).
 
 Priors are on the scale of `Counts.u`, with exact derivatives. The prior of the threshold is flat on the tested range
 and decreases as a cosine to 0 half a range outside. That of the width is flat between twice the smallest spacing and
@@ -72,17 +72,17 @@ class Prior(Rows):
         return [THRESHOLD, LOG_WIDTH, *(place for place, rate in rates if rate is None)]
 
     def tied(self, theta: Array) -> Array:
-        """Return the parameters (..., 4) with equal rates if the asymptotes are equal."""
+        """Return parameters (..., 4) with equal rates if asymptotes are equal."""
         if not self.equal_asymptotes:
             return theta
         return np.concatenate([theta[..., :GUESS], theta[..., [LAPSE]]], axis=-1)
 
     def guess_nodes(self, lapse: Array, guess: Array) -> Array:
-        """Return guess rates in a shape that broadcasts with lapse rates (n_lapse, 1)."""
+        """Return guess rates that broadcast with lapse rates (n_lapse, 1)."""
         return lapse[:, None] if self.equal_asymptotes else guess
 
     def bounds(self) -> tuple[Array, Array]:
-        """Return the lower and upper bounds (n_sets, 4); 0 for a `tied` guess rate."""
+        """Return lower and upper bounds (n_sets, 4); 0 for a tied guess rate."""
         n = self.gap.shape[0]
         low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
         reach = FURTHEST if self.on_curve else 20.0
@@ -95,7 +95,7 @@ class Prior(Rows):
         return low, high
 
     def log_density(self, theta: Array) -> Array:
-        """Return the log density (n_sets, ...) at theta (n_sets, ..., 4), up to a constant."""
+        """Return the log density at theta (n_sets, ..., 4), up to a constant."""
         return _total(theta, self._by_parameter(np.moveaxis(theta, -1, 0)))
 
     def expansion(self, theta: Array) -> Expansion:
@@ -111,18 +111,18 @@ class Prior(Rows):
         return Expansion(_total(theta, by_parameter), gradient, hessian)
 
     def along(self, axes: Sequence[Array]) -> list[Array]:
-        """Return the log prior of one data set along four axes; 0 for fixed parameters."""
+        """Return the log prior along four axes; 0 for fixed parameters."""
         known = self._by_parameter(axes, scale_free_width=self.scale_free_width)
         return [known[place][0] if place in known else np.zeros(len(axis)) for place, axis in enumerate(axes)]
 
     def search_axes(self, low: Array, high: Array, sizes: Sequence[int]) -> list[Array]:
-        """Return coarse nodes of one data set along each parameter; one node if it is fixed."""
+        """Return coarse nodes along each parameter; one node if it is fixed."""
         first = np.maximum(low, FLOOR)
         nodes = [np.linspace(first[place], high[place], n) for place, n in enumerate(sizes)]
         return [axis if place in self.free else low[place, None] for place, axis in enumerate(nodes)]
 
     def log_cell(self, low: Array, high: Array, sizes: Sequence[int]) -> float:
-        """Return the log volume of a grid cell; the weights of free rates sum to 2."""
+        """Return the log volume of a grid cell (weights of rates sum to 2)."""
         size = high - low
         steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
         rates = [size[place] / 2 for place in self.free if place in (LAPSE, GUESS)]
@@ -162,7 +162,7 @@ def _total(theta: Array, by_parameter: ByParameter) -> Array:
 
 
 def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
-    """Return the log density of Beta(1 + n_yes, beta + n_no), and two derivatives."""
+    """Return the log density of Beta(1 + n_yes, beta + n_no) and derivatives."""
     b = beta - 1 + n_no
     value = b * np.log1p(-x) + xlogy(n_yes, np.maximum(x, 1e-300))
     inside = np.maximum(x, 1e-100)  # larger floor, as the square must not underflow
@@ -176,7 +176,7 @@ def log_rate_mass(beta: float) -> float:
 
 
 def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
-    """Return 2 log cos(angle) and its derivatives in x, where `rate` is d angle / d x."""
+    """Return 2 log cos(angle) and derivatives; `rate` is d angle / d x."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
         cos = np.maximum(np.cos(angle), 1e-8)  # keeps derivatives finite at the end of the prior
@@ -194,7 +194,7 @@ def log_threshold(m: Array) -> tuple[Array, Array, Array]:
 
 
 def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
-    """Return the log prior of w = exp(v), flat in w or v, and its derivatives in v."""
+    """Return the log prior of w = exp(v), and its derivatives in v."""
     w = np.exp(v)
     wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
     above = np.maximum(w, 1) - 1
@@ -208,13 +208,13 @@ def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array,
 
 
 def log_prior_of(eta: Array | float) -> Array:
-    """Return the log density of Beta(1, 10) at the overdispersion, up to a constant."""
+    """Return the log density of Beta(1, 10) at eta, up to a constant."""
     return np.asarray((BETA_B - 1) * np.log1p(-eta))
 
 
 @dataclass(frozen=True)
 class LogPosterior(Rows):
-    """Log posterior of many data sets at parameters theta (n_sets, 4), up to a constant."""
+    """Log posterior of many data sets, up to a constant."""
 
     shape: Shape
     counts: Counts
@@ -228,7 +228,7 @@ class LogPosterior(Rows):
         return replace(self, prior=replace(self.prior, **prior))
 
     def redrawn(self, sets: Indices, n_yes: Array, n_false_alarms: Array) -> Self:
-        """Return the data sets at indices `sets` with new answers to trials and catch trials."""
+        """Return the data sets at indices `sets` with new answers."""
         counts, prior = replace(self.counts[sets], n_yes=n_yes), self.prior[sets]
         return replace(self, counts=counts, prior=replace(prior, n_false_alarms=n_false_alarms))
 
@@ -285,7 +285,7 @@ class LogPosterior(Rows):
         return np.asarray(self.shape.z50 + away * slope)
 
     def beyond_levels(self, axes: Sequence[Array]) -> Array:
-        """Return the fractions of grid cells whose rise lies below, and above, all levels.
+        """Return the fractions of cells that rise below or above all levels.
 
         Their shape is (2, n_thresholds, n_widths).
         """

@@ -41,7 +41,7 @@ N_GOLDEN = 16
 
 @dataclass(frozen=True)
 class Mode(Rows):
-    """Parameters (n_sets, 4) at the maximum of the log density, and Laplace's covariance.
+    """Parameters (n_sets, 4) at the maximum, and Laplace's covariance.
 
     The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is False if threshold or
     width lie on a bound; there is then no mode.
@@ -58,9 +58,9 @@ class Mode(Rows):
 
 
 def find_mode(posterior: LogPosterior, near: Array | None = None) -> Mode:
-    """Find the mode of each set, starting from a grid or from `near` (n_sets, 4).
+    """Find modes, starting from a grid or `near` (n_sets, 4), then steps.
 
-    If the fit is poor, further starts are the best nodes of both halves of widths. Steep starts are always tried.
+    If a fit is poor, the best nodes of narrow and wide widths are starts too.
     """
     if near is None:
         summits, _ = grid_starts(posterior)
@@ -82,7 +82,7 @@ def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
 
 
 def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
-    """Return the highest mode of each set among those from `starts` and `known`."""
+    """Return the highest mode of each set from `starts` and `known`."""
     n_sets = len(posterior)
     starts = _distinct(starts, *_ascend(posterior[starts.sets], starts.theta, ROUGH_DECREMENT))
     sets = starts.sets
@@ -98,7 +98,7 @@ def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None)
 
 
 def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
-    """Keep the highest maximum of each set, and others that may still exceed it."""
+    """Keep the highest maximum of each set, and possible rivals."""
     order = np.lexsort((-log_density, starts.sets))
     sets, theta, log_density = starts.sets[order], theta[order], log_density[order]
     _, first, inverse = np.unique(sets, return_index=True, return_inverse=True)
@@ -144,7 +144,7 @@ def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tu
 
 
 def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
-    """Return True for parameters that are fixed, or on a bound towards which the density rises."""
+    """Return True for parameters that are fixed or kept at a bound."""
     at_low = (theta <= low) & (gradient <= 0)
     at_high = (theta >= high) & (gradient >= 0)
     return np.asarray((low == high) | at_low | at_high)
@@ -158,7 +158,7 @@ def _step(here: Expansion, held: Bools, damping: Array) -> tuple[Array, Array]:
 
 
 def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
-    """Solve n small linear systems (n, p, p) after making them positive definite.
+    """Solve n linear systems (n, p, p), made positive definite.
 
     Systems are scaled to a diagonal of 1. Each pivot of the square-root-free Cholesky factorisation is replaced by its
     absolute value, at least 1e-8, plus the damping (n,). The solutions have the shape (n, p).
@@ -190,7 +190,7 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
 
 
 def _without(matrix: Array, held: Bools) -> Array:
-    """Replace rows and columns of held parameters by those of the identity matrix."""
+    """Replace rows and columns of held parameters by the identity."""
     either = held[:, :, None] | held[:, None, :]
     finite = np.where(np.isfinite(matrix), matrix, np.nan)
     return np.where(either, np.eye(N_PARAMETERS), finite)

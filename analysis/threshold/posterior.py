@@ -1,4 +1,4 @@
-"""Posterior distributions of psychometric functions by quadrature in an adaptive box.
+"""Posterior distributions by quadrature in an adaptive box.
 
 Threshold and log width have equidistant nodes, for which the trapezoidal rule converges fastest. The rates have
 Gauss-Legendre nodes. The box starts around the mode. A face with density moves outwards, a face without density moves
@@ -19,7 +19,7 @@ from .log_posterior import LARGEST_ETA, LogPosterior, Prior, log_prior_of
 from .mode import Mode
 
 NEGLIGIBLE = 14.0
-"""Log density relative to the mode below which a point is outside the box (negated)."""
+"""Points with a log density this far below that of the mode lie outside the box."""
 FINAL_NODES = (37, 27)
 RATE_NODES = 10
 RATE_NODES_OF_FEW, FEW_TRIALS = 8, 40
@@ -99,7 +99,7 @@ def _one_by_one(n_sets: int) -> list[slice]:
 
 
 def _lenses(boxes: _Box, mode: Mode) -> Array:
-    """Return centre, scale, start and stop of the threshold nodes, shape (n_sets, 4).
+    """Return centre, scale, start and stop (n_sets, 4) of threshold nodes.
 
     Thresholds are centre + scale * sinh(t), with equidistant t from start to stop (the ends of the box).
     """
@@ -110,7 +110,7 @@ def _lenses(boxes: _Box, mode: Mode) -> Array:
 
 
 def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
-    """Return nodes of eta, and weights that include the prior; a single 0 for the binomial."""
+    """Return nodes of eta, and weights that include its prior."""
     if posterior.prior.overdispersion is None:
         return np.zeros(1), np.ones(1)
     axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
@@ -125,7 +125,7 @@ def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
 
 
 def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
-    """Return the smallest box (up to a node) outside which the density is negligible."""
+    """Return the smallest box outside which the density is negligible."""
     ends = _Box(*posterior.prior.bounds())
     reach = np.where(mode.sd > 0, START_SD * mode.sd, np.inf)
     low, high = mode.theta - reach, mode.theta + reach
@@ -190,7 +190,7 @@ def rate_rule(n: int) -> tuple[Array, Array]:
 def _nodes_in(
     prior: Prior, low: Array, high: Array, n_trials: float, lens: Array | None = None
 ) -> tuple[list[Array], list[Array]]:
-    """Return nodes and weights along each parameter in the box of one data set.
+    """Return nodes and weights along each parameter in a box.
 
     The thresholds are equidistant, or transformed by a lens (`_lenses`).
     """
@@ -215,7 +215,7 @@ def _nodes_in(
 
 
 def masses_in(posterior: LogPosterior, low: Array, high: Array) -> tuple[list[Array], Array]:
-    """Return nodes in the box of one data set, and the binomial posterior masses."""
+    """Return nodes in the box of one data set, and posterior masses."""
     axes, weights = _nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
     density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
     return axes, np.exp(density - density.max()) * (weights[LAPSE][:, None] * weights[GUESS])
@@ -251,7 +251,7 @@ def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float)
 
 
 def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array:
-    """Sum count * log(floor + span * parts) over the levels (log-likelihood of one kind of answer)."""
+    """Sum count * log(floor + span * parts) over the levels."""
     few = (count <= FEW) & (len(count) > FACTORS)
     # Single precision halves the memory of a large grid; with few trials the error stays small.
     precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
@@ -290,7 +290,7 @@ def _log_products(parts: Array, floor: Array, span: Array) -> Array:
 def _marginal_densities(
     posterior: LogPosterior, box: _Box, lens: Array, etas: tuple[Array, Array]
 ) -> tuple[Array, Array, Array, float, float, Array]:
-    """Return means, densities of threshold and log width, mean eta, log evidence and shares beyond."""
+    """Return means, marginal densities, log evidence and shares beyond."""
     prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
     axes, weights = _nodes_in(prior, low, high, posterior.counts.n_trials.sum(), lens)
     densities = np.stack([log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
@@ -314,7 +314,7 @@ def _marginal_densities(
 
 
 def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array:
-    """Return lower end, median and upper end (n_sets, 3) of densities on equidistant nodes."""
+    """Return lower end, median and upper end (n_sets, 3) of densities."""
     shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
     n_nodes = density.shape[1]
     fine, weights = spline_integral(n_nodes)

@@ -40,7 +40,7 @@ CHUNK = 4_000_000
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes and log weights along each parameter, and the log volume of a cell."""
+    """Nodes and log weights along each parameter, and log cell volume."""
 
     nodes: list[Array]
     log_weights: list[Array]
@@ -52,7 +52,7 @@ class Grid:
 
 
 def batched_marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
-    """Integrate the posteriors like `posterior.marginals`, but on shared grids."""
+    """Integrate like `posterior.marginals`, but on shared grids."""
     all_sets, is_alone = Marginals.empty(len(posterior)), np.ones(len(posterior), dtype=bool)
     if posterior.prior.overdispersion is None and len(posterior.prior.free) <= MOST_FREE:
         for members in posterior.alike():
@@ -140,7 +140,7 @@ def _densities(posterior: LogPosterior, grid: Grid) -> Iterator[tuple[slice, Arr
 
 
 def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
-    """Return the ends of the nodes with non-negligible density, with a margin of one node."""
+    """Return the ends of nodes with density, with a margin of one node."""
     kept = np.zeros(np.prod(grid.sizes), dtype=bool)
     for sets, density in _densities(posterior, grid):
         best = np.maximum(density.max(axis=1), mode.log_density[sets])
@@ -160,7 +160,7 @@ def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array
 
 
 def marginal_masses(posterior: LogPosterior, grid: Grid) -> tuple[list[Array], Array, Array]:
-    """Return marginal masses (n_sets, n_nodes), log integrals and shares beyond the levels."""
+    """Return masses (n_sets, n_nodes), log integrals and shares beyond."""
     n_m, n_v, n_lapse, n_guess = grid.sizes
     n_curves, n_rates = n_m * n_v, n_lapse * n_guess
     beyond = posterior.beyond_levels(grid.nodes).reshape(2, -1).T

@@ -49,7 +49,7 @@ class Starts(Rows):
 
 # --- starts on a coarse grid
 def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
-    """Return the local maxima of a grid, and the best nodes of narrow and wide widths."""
+    """Return local maxima of a grid, and best narrow and wide nodes."""
     counts, prior = posterior.counts, posterior.prior
     summits, halves = [Starts.none()], [Starts.none()]
     for members in posterior.alike():
@@ -115,7 +115,7 @@ def _at_best_rate(sets: Indices, density: Array, nodes: Array, row: Indices, wid
 
 
 def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
-    """Return the best node of each other rate, if it is within `CLOSE` of the highest."""
+    """Return the best node of each other rate, if within `CLOSE`."""
     n_rates = density.shape[1]
     by_rate = density.reshape(len(sets), n_rates, -1)
     node = by_rate.argmax(axis=2)
@@ -139,7 +139,7 @@ def _is_top(ridge: Array) -> Bools:
 
 # --- starts by steps
 def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
-    """Return the best step functions with a log density of `at_least` (n_sets,)."""
+    """Return the best steps with a log density of `at_least` (n_sets,)."""
     steps = (_steps_between(posterior), _steps_at(posterior))
     density, theta = (np.concatenate(both, axis=1) for both in zip(*steps, strict=True))
     best = np.argsort(-density, axis=1)[:, :N_STEPS]
@@ -149,7 +149,7 @@ def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
 
 
 def _spacings(counts: Counts) -> Array:
-    """Return the spacings between neighbouring levels, infinite for unused slots."""
+    """Return the spacings of neighbouring levels, infinite if unused."""
     used = counts.n_trials > 0
     return np.where(used[:, 1:] & used[:, :-1], np.diff(counts.u, axis=1), np.inf)
 
@@ -170,7 +170,7 @@ def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Return the log densities and parameters of steps at a level, which may have any rate."""
+    """Return log densities and parameters of steps at a level."""
     shape, counts = posterior.shape, posterior.counts
     u, k, n = counts.u, counts.n_yes, counts.n_trials
     spacing, outer = _spacings(counts), np.full((len(counts), 1), np.inf)
@@ -189,7 +189,7 @@ def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
-    """Return log density, lapse rate and guess rate of steps without levels between the asymptotes."""
+    """Return log density, lapse and guess rate of steps."""
     counts, prior = posterior.counts, posterior.prior
     none = np.zeros((len(counts), 1))
     # Entry i sums the answers and trials of all levels before level i.

@@ -49,7 +49,7 @@ class StepFit:
 
 
 class Status(StatusWithNote):
-    """Status of a threshold: ``ok``, or the reason why it is missing or only a bound."""
+    """Status of a threshold: ``ok``, or why it is missing or only a bound."""
 
     OK = "ok", ""
     BELOW = (
@@ -122,7 +122,7 @@ def _highest_guess(prior: Prior) -> Array | float:
 
 
 def _falls(counts: Counts) -> Bools:
-    """Return True for a falling trend, or decreases that no rising function explains."""
+    """Return True for rates that fall more than a rising function allows."""
     n = counts.n_trials.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         # z is NaN (0 / 0) for equal answers or one level; NaN never passes the criterion.
@@ -166,7 +166,7 @@ def rising_fit(values: Array, weights: Array) -> Array:
 
 
 def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
-    """Return the best step function with the asymptotes of the likeliest curve.
+    """Return the best step with the asymptotes of the likeliest curve.
 
     At most one level has an intermediate rate. If the step fits at least as well as the likeliest curve, the steepness
     has no upper bound. A step between two levels is placed midway between them. Steps outside the range of the levels
@@ -249,6 +249,6 @@ def _log_mean_chance(rate: float | None, beta: float, k: Array, rest: Array) -> 
 
 
 def _logarithm(x: Array) -> Array:
-    """Return the logarithm, or minus infinity for values that rounded to 0 or below."""
+    """Return the logarithm, or minus infinity at 0 and below."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.log(np.maximum(x, 0.0)), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Fast posterior modes of many tracks for simulations, equal to those of `fit`."""
+"""Fast posterior modes of many tracks, equal to those of `fit`."""
 
 from dataclasses import dataclass
 
@@ -79,7 +79,7 @@ def fit_modes(
 
 
 def _pooled(shared: Array, x: Array, y: Array, used: Bools) -> tuple[Array, Array, Array]:
-    """Count answers on common levels; return levels (1, n_levels) and counts (n_sets, n_levels)."""
+    """Count answers at common levels."""
     shape = (len(x), len(shared))
     cells = (np.arange(len(x))[:, None] * shape[1] + np.searchsorted(shared, x))[used]
     return shared[None], totals(cells, y[used], shape), totals(cells, np.ones(len(cells)), shape)

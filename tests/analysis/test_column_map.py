@@ -177,8 +177,11 @@ def test_table_with_decimal_commas_is_read(tmp_path) -> None:
         ),
         ({"keep": {"cond": ("mid", "x")}}, "found no row with cond = mid or x, expected trials (keep)"),
         ({"values": {"respons": {"y": 1}}}, "found no column 'respons', whose values the column map names"),
-        ({"from_name": {"participant": "p"}}, "found no p-... in the file's name, expected it for 'participant'"),
-        ({"from_name": {"participant": "sub"}}, "found no sub-... in the file's name, expected it for 'participant'"),
+        ({"from_name": {"participant": "p"}}, "found no p-... in the file name, expected the value of 'participant'"),
+        (
+            {"from_name": {"participant": "sub"}},
+            "found no sub-... in the file name, expected the value of 'participant'",
+        ),
     ],
 )
 def test_unsuitable_column_map_is_rejected(tmp_path, change, message) -> None:

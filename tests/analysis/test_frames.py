@@ -45,7 +45,7 @@ def test_dropped_frames_are_summed_with_warning(data_set) -> None:
     assert quality["frame_interval_max_s"]["P01"] == 0.08
     assert quality["n_dropped_frames"]["P02"] == 0
     assert quality["n_dropped_frames"].isna()["P03"]
-    assert "more than 1 % of the screen's frames dropped: P01 20 of 1020" in found.warnings
+    assert "more than 1 % of screen frames dropped: P01 20 of 1020" in found.warnings
 
 
 def test_quality_is_unchanged_without_events(tmp_path) -> None:

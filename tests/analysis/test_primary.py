@@ -99,7 +99,7 @@ def test_flat_cell_counts_as_interval() -> None:
     assert found.primary == "censored_anova"
     assert found.notes[0] == "the analysis with censored values treats 1 value as a bound and 1 value as an interval"
     assert found.group[["n_below", "n_above", "n_interval", "n_missing"]].sum().tolist() == [0, 0, 2, 0]
-    assert found.group["text"].str.contains("1 with an interval only", regex=False).sum() == 2
+    assert found.group["text"].str.contains("1 known by an interval only", regex=False).sum() == 2
 
 
 @pytest.mark.parametrize("n_below", [0, 1])
@@ -146,7 +146,7 @@ def test_plan_names_primary_analysis(named) -> None:
 def test_missing_anova_of_one_participant_is_noted_once(named) -> None:
     alone = estimates(np.random.default_rng()).query("participant == 'P1'")
     found = told(alone, primary=named)
-    assert found.notes == ("no analysis of variance: no three participants share two conditions with a value",)
+    assert found.notes == ("no analysis of variance: fewer than 3 participants have a value in the same 2 conditions",)
 
 
 def test_unavailable_named_analysis_leaves_no_primary() -> None:
@@ -338,7 +338,7 @@ def test_command_names_primary_analysis(tmp_path) -> None:
     plan.write_text('primary = "permutation"\n')
     named = run(file, "--plan", plan)["outcomes"][0]
     assert (named["primary"]["analysis"], len(named["checks"])) == ("permutation", 1)
-    assert named["sentences"][0].startswith("force_n: permutation test of 128 changes of signs")
+    assert named["sentences"][0].startswith("force_n: permutation test with 128 sign changes")
 
 
 def test_plan_rejects_unknown_primary_analysis(tmp_path) -> None:

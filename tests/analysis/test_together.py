@@ -168,7 +168,7 @@ def test_forced_choices_guess_at_their_chance() -> None:
     ("found", "note"),
     [
         ([cell(who, k=(0, 0, 0, 0)) for who in "ABC"], "no hierarchical fit: no participant has a threshold"),
-        ([cell(who, levels=(), k=(), n_trials=()) for who in "AB"], "no hierarchical fit: no trial with a level"),
+        ([cell(who, levels=(), k=(), n_trials=()) for who in "AB"], "no hierarchical fit: no trial has a level"),
     ],
 )
 def test_missing_hierarchical_fit_has_reason(found, note) -> None:

@@ -22,7 +22,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
     if len(events):
         blocks.append(Heading("Events"))
         if "order" in set(events["event"]):
-            blocks.append(Lead("An order is a request of the experimenter, an intervention its result."))
+            blocks.append(Lead("Orders are requests by the experimenter; interventions are the resulting actions."))
         blocks.append(grid(events, ()) if len(events) <= MOST_OPEN else details("All events", events, ()))
     if blocks:
         yield Section("Course of the sessions", tuple(blocks))

@@ -62,7 +62,7 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
 
 
 def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
-    """Return a group table with amplitudes 10^(level / 20) in the column `text`.
+    """Return a group table with amplitudes 10^(level / 20) as `text`.
 
     Cells without a mean keep their text.
 
