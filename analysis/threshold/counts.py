@@ -69,14 +69,14 @@ def count_arrays(
     used = n != 0
     # The tests are negated expectations, so that NaN is rejected too.
     is_size = np.isfinite(n) & (n > 0) & (n == np.floor(n))
-    _refuse("n_trials", n, used & ~is_size, "a whole number from 0")
+    _refuse("n_trials", n, used & ~is_size, "a whole number, 0 or more")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
     _refuse("levels", x, used & (np.abs(x) > LARGEST), f"an absolute value of at most {LARGEST:g}")
     if logarithms:
         _refuse("levels", x, used & ~(x > 0), "a level above 0, as its logarithm is fitted")
         x = np.log(np.where(used, x, 1.0))
     is_count = (k >= 0) & (k == np.floor(k))
-    _refuse("n_correct", k, used & ~is_count, "a whole number from 0")
+    _refuse("n_correct", k, used & ~is_count, "a whole number, 0 or more")
     _refuse("n_correct", k, used & (k > n), "at most n_trials of the row")
     return np.where(used, x, 0.0), np.where(used, k, 0.0), np.where(used, n, 0.0)
 

@@ -211,7 +211,7 @@ def _catch_trials(n_false_alarms: ArrayLike, n_catch: ArrayLike, n_sets: int) ->
     alarms, catch = (np.broadcast_to(np.asarray(n, dtype=np.float64), (n_sets,)) for n in (n_false_alarms, n_catch))
     for stated, counts in ((n_false_alarms, alarms), (n_catch, catch)):
         is_whole = ((counts >= 0) & (counts == np.floor(counts))).all()
-        expect(is_whole, "n_false_alarms, n_catch", repr(stated), "whole numbers from 0")
+        expect(is_whole, "n_false_alarms, n_catch", repr(stated), "whole numbers, 0 or more")
     expect((alarms <= catch).all(), "n_false_alarms", repr(n_false_alarms), f"at most n_catch, {n_catch!r}")
     return alarms, catch
 

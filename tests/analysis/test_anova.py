@@ -156,12 +156,12 @@ NO_NAME = "found nothing, expected the name of a participant or a condition; rem
         (lambda t: t.assign(y=(0 * SUBJECTS + CONDITIONS**2).ravel()), ALL_ALIKE, "zero_error"),
         (
             lambda t: t.drop(index=17),
-            f"y: found no value for subject = P2, force = 1.0, freq = 120 (1 missing cell, of P2), {NO_HOLE}",
+            f"y: found no value for subject = P2, force = 1.0, freq = 120 (1 missing cell: P2), {NO_HOLE}",
             "missing_cell",
         ),
         (
             lambda t: t.query("not (subject == 'P3' and freq == 480)"),
-            f"y: found no value for subject = P3, force = 0.5, freq = 480 (3 missing cells, of P3), {NO_HOLE}",
+            f"y: found no value for subject = P3, force = 0.5, freq = 480 (3 missing cells: P3), {NO_HOLE}",
             "missing_cell",
         ),
         (lambda t: t[t["subject"] == "P1"], f"subject: found 1 participant, {FEW}", "too_few_participants"),

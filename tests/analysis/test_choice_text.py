@@ -110,7 +110,7 @@ def test_methods_describe_rule_estimate(whole) -> None:
         in told
     )
     assert "posterior mean)" not in told
-    assert "rule that chose the levels" not in analysis_of(whole).methods
+    assert "procedure that chose the levels" not in analysis_of(whole).methods
 
 
 # --- rates

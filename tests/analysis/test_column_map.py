@@ -176,7 +176,7 @@ def test_table_with_decimal_commas_is_read(tmp_path) -> None:
             "found no column 'cnd', which the column map names in keep; did you mean 'cond'?",
         ),
         ({"keep": {"cond": ("mid", "x")}}, "found no row with cond = mid or x, expected trials (keep)"),
-        ({"values": {"respons": {"y": 1}}}, "found no column 'respons', whose values the column map names"),
+        ({"values": {"respons": {"y": 1}}}, "found no column 'respons', whose values the column map translates"),
         ({"from_name": {"participant": "p"}}, "found no p-... in the file name, expected the value of 'participant'"),
         (
             {"from_name": {"participant": "sub"}},

@@ -193,10 +193,10 @@ def test_missing_condition_is_first_warning(tmp_path) -> None:
 
 def test_measurements_alone_are_rejected(tmp_path) -> None:
     table = written(tmp_path / "m.csv", [("P1", 0.5, 10, "dB re 1 um", "measurement", "", 1)])
-    with pytest.raises(InvalidFile, match="no valid answer of a task"):
+    with pytest.raises(InvalidFile, match="no valid answer to a task"):
         analyse(table)
     table.write_text(table.read_text().replace("measurement,,", "measurement,7,"))
-    with pytest.raises(InvalidFile, match="no valid answer of a task"):
+    with pytest.raises(InvalidFile, match="no valid answer to a task"):
         analyse(table)
 
 

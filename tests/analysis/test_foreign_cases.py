@@ -60,7 +60,7 @@ def test_refusal_names_the_fault_of_each_case(capsys, tmp_path, case, message):
     ("case", "text"),
     [
         ("leading_zeros", "leading zeros: 01 and 1, 02 and 2, 03 and 3, 04 and 4; each was"),
-        ("missing_latency", "found no column 'key_resp.rt' in 3.csv: latency_s is empty there"),
+        ("missing_latency", "found no column 'key_resp.rt' in 3.csv, so latency_s is empty there"),
         ("row_numbers_of_r", "t.csv: the first column has no name and contains row numbers"),
         ("column_twice", "t.csv: the column 'note' appears 2 times and was not read"),
     ],
@@ -74,7 +74,7 @@ def test_alternatives_are_counted_in_each_condition(capsys, tmp_path):
     group = {row["n_afc"]: row["text"] for row in found["outcomes"][0]["group"]}
     assert group == {2: "3.21 [2.79, 3.63] (n = 6)", 4: "3.34 [3.17, 3.52] (n = 6)"}
     assert found["outcomes"][0]["anova"][0]["F"] == pytest.approx(0.87, abs=0.005)
-    assert "(2: 2; 4: 4)" in warning(found, "different numbers of alternatives")
+    assert "(2: 2; 4: 4)" in warning(found, "differ in the number of alternatives")
 
 
 def test_alternatives_must_agree_within_a_condition(capsys, tmp_path):

@@ -137,8 +137,13 @@ def test_tables_in_subfolders_are_refused_by_folder(capsys, tmp_path):
         (",1,", ",#N/A,", YES_NO, "mark it as missing in a column map (--columns): missing = ['#N/A']"),
         (",0.5", ",nan", YES_NO, "column 'latency_s': found 'nan', expected a finite number or nothing; mark it as"),
         (",0.5", ",0.5", CHOICE.format(1), "column 'n_alternatives': found '1', expected a whole number from 2"),
-        (",0.5", ",0.5", YES_NO + "level = 3\n[columns]\nlevel='x'\n", "level: found it in columns and constants"),
-        ("S1,", "S1,", YES_NO + '[columns]\nlevel = "LEVEL"\n', "names for 'level'; did you mean 'level'?"),
+        (
+            ",0.5",
+            ",0.5",
+            YES_NO + "level = 3\n[columns]\nlevel='x'\n",
+            "level: found definitions in columns and constants",
+        ),
+        ("S1,", "S1,", YES_NO + '[columns]\nlevel = "LEVEL"\n', "assigns to 'level'; did you mean 'level'?"),
         (",0.5", ",1.500", 'decimal = ","\n' + YES_NO, "column 'latency_s': found '1.500', expected a decimal comma"),
     ],
 )

@@ -162,7 +162,7 @@ def test_concatenated_json_lists_are_one_table(tmp_path, between):
         ("[" * 100_000, "found no JSON list of objects"),
         ("{}", "found no JSON list of objects (Expecting a list"),
         ("[]", "(it is empty), expected an object for each trial"),
-        ("[1, 2]", "(item 1 is another)"),
+        ("[1, 2]", "(item 1 is not an object)"),
         ('[{"level": 1}]', "found no column 'participant'"),
         ('[{"participant": "P1", "task": "yes_no", "level": 1, "response": [1]}]', "row 1, column 'response': found"),
     ],

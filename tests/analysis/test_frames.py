@@ -57,5 +57,7 @@ def test_quality_is_unchanged_without_events(tmp_path) -> None:
 def test_a_damaged_file_of_events_is_refused(data_set) -> None:
     file = next((data_set / "journals").iterdir())
     file.write_text("onset\tduration\n1\t2\n")
-    with pytest.raises(InvalidFile, match=r"_events.tsv: found no events \('trial_type'\), expected the columns"):
+    with pytest.raises(
+        InvalidFile, match=r"_events.tsv: found a damaged file of events \('trial_type'\), expected the columns"
+    ):
         frames(data_set)

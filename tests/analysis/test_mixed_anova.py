@@ -87,7 +87,7 @@ def test_refuses_a_participant_in_two_groups() -> None:
 
 
 def test_a_missing_cell_is_refused_by_name() -> None:
-    with pytest.raises(UndefinedStatistic, match=r"subject = 1, freq = 1 \(1 missing cell, of 1\)"):
+    with pytest.raises(UndefinedStatistic, match=r"subject = 1, freq = 1 \(1 missing cell: 1\)"):
         analysed(study((3, 3), 3, np.random.default_rng()).drop(index=4))
 
 

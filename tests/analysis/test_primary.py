@@ -73,7 +73,7 @@ def test_censored_anova_is_primary_with_bounds() -> None:
     found = told(table, bounds={"force_n": 3.0})
     assert (found.primary, found.effects.attrs["n"]) == ("censored_anova", 8)
     assert found.notes[0] == "the analysis with censored values treats 2 values as bounds"
-    assert found.notes[1].startswith("the analysis of variance, a check, leaves out participant P0, participant P1:")
+    assert found.notes[1].startswith("the analysis of variance, a check, leaves out participant P0, participant P1, as")
     roles = found.roles().set_index("analysis")
     assert roles["role"].to_dict() == {"censored_anova": "primary", "anova": "check"}
     assert roles.loc["anova", "title"].endswith("without participant P0, participant P1")
@@ -293,7 +293,7 @@ def test_methods_of_questionnaire_name_its_analyses(rated) -> None:
     assert "The primary analysis, chosen by a rule" in rated.methods
     assert "Cousineau" in rated.methods
     for absent in (
-        "counts as a value below",
+        "A censored value is known",
         "Welch",
         "permutation",
         "threshold",
@@ -330,7 +330,7 @@ def test_command_names_primary_analysis(tmp_path) -> None:
     ]
     assert found["checks"] == []
     page = (tmp_path / "r.html").read_text()
-    assert "<h3>Primary analysis: repeated-measures analysis of variance (by the rule" in page
+    assert "<h3>Primary analysis: repeated-measures analysis of variance (by default" in page
     assert "Simple effects of force at each frequency" in page
     for name in ("analyses", "anova", "simple", "pairs"):
         assert list((tmp_path / "r_tables").glob(f"{name}_setting*.csv")), name
@@ -360,7 +360,7 @@ def test_methods_describe_only_what_ran(tmp_path) -> None:
     for absent in ("analysis of variance", "Holm", "t-intervals", "eta squared", "Welch"):
         assert absent not in alone
     whole = analyse(written(tmp_path / "all.csv", table)).methods
-    assert "chosen by a rule stated before the data" in whole
+    assert "chosen by a rule that does not depend on any result" in whole
     assert "Tobin" not in whole
     assert "pingouin" in whole
     assert "statsmodels" not in whole

@@ -263,7 +263,7 @@ def test_refuses_a_table_without_psychophysical_answers(tmp_path) -> None:
     path.write_text("participant,trial,procedure,level,task,response\nP01,1,form,,rating,3\n")
     with pytest.raises(
         InvalidFile,
-        match=r"found no valid answer of a task \(yes_no, forced_choice, comparison, same_different, magnitude,",
+        match=r"found no valid answer to a task \(yes_no, forced_choice, comparison, same_different, magnitude,",
     ):
         analyse(path)
 

@@ -273,7 +273,7 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
         ({"levels": [1, None, 3]}, "levels, row 1: found None, expected a number"),
         (
             {"n_correct": [1, 2, 21]},
-            "n_correct, row 2: found 21, expected at most the number of trials of the row" + ROWS,
+            "n_correct, row 2: found 21, expected at most n_trials of the row" + ROWS,
         ),
         (
             {"n_correct": [-1, 2, 3]},

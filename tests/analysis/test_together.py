@@ -62,7 +62,7 @@ def test_summary_reports_group_effects_variances_and_rates(found) -> None:
 def test_report_has_hierarchical_section_tables_and_methods(found) -> None:
     page = found.report.read_text()
     for text in (
-        "<h2>All participants at once</h2>",
+        "<h2>Hierarchical model of all participants</h2>",
         "force: Wald&#39;s ",
         "Moscatelli, A., Mezzetti",
         "Participants (10",
