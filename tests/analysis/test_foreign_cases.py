@@ -298,7 +298,7 @@ def test_reason_names_the_factor_between_participants(capsys):
 
 def test_group_of_one_has_no_anova(capsys):
     found = analysed(capsys, CASES / "one_in_a_group.csv", ADJUSTED, within="A,group")
-    expected = "no analysis of variance: group = g2: found one participant, expected at least 2 a group"
+    expected = "no analysis of variance: group = g2: found one participant, expected at least 2 in each group"
     assert expected in found["outcomes"][0]["notes"]
 
 
