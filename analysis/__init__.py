@@ -1,6 +1,7 @@
-"""Estimates, figures and reports of trials.
+"""Estimates, figures and reports computed from trials.
 
-`analyse` does all of it; the other functions are its steps. `docs/reference/analysis.md` lists more.
+`analyse` runs the whole analysis; the other functions are its steps. `docs/reference/analysis.md` lists further
+functions.
 """
 
 from typing import TYPE_CHECKING

@@ -13,12 +13,12 @@ Bools = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 Which = Indices | Bools | slice
 RELATIVE_ZERO = 1e-12
-"""A spread below this part of the values' size is rounding."""
+"""A spread below this fraction of the largest value is rounding error."""
 FLATTEST = 1e-8
 
 
 def size_of(values: Array) -> float:
-    """Return the power of two below the largest value, to scale without loss.
+    """Return the largest power of two not above the largest value.
 
     >>> size_of(np.array([-5.0, 3.0])), size_of(np.array([1e308])) < 1e308
     (4.0, True)
@@ -27,7 +27,7 @@ def size_of(values: Array) -> float:
 
 
 class StatusWithNote(StrEnum):
-    """Status of a fit in files with a note: ``NAME = "word", "note"``."""
+    """Status of a fit with a note: ``NAME = "word", "note"``."""
 
     note: str
 
@@ -40,7 +40,7 @@ class StatusWithNote(StrEnum):
 
 @dataclass(frozen=True)
 class Rows:
-    """Arrays with a row for each fit, and fields common to all rows."""
+    """Arrays with one row per fit; other fields apply to all rows."""
 
     def _of_each(self, rule: Callable[..., Any], *others: Self) -> Self:
         columns = ([getattr(rows, field.name) for rows in (self, *others)] for field in fields(self))
@@ -51,11 +51,11 @@ class Rows:
         return self._of_each(lambda values: values[which])
 
     def joined(self, other: Self) -> Self:
-        """Return the rows of this one, then those of the other."""
+        """Return the rows of this object followed by those of `other`."""
         return self._of_each(lambda *both: np.concatenate(both), other)
 
     def replaced(self, places: Indices, other: Self) -> Self:
-        """Return the rows with those of the other at some places."""
+        """Return a copy with the rows at `places` replaced by those of `other`."""
 
         def merged(ours: Any, theirs: Any) -> Any:
             if isinstance(ours, Rows):
@@ -67,7 +67,7 @@ class Rows:
         return self._of_each(merged, other)
 
     def where(self, chosen: Bools, other: Self) -> Self:
-        """Return the rows of this one where `chosen` (n,), else of the other."""
+        """Return rows of this object where `chosen` (n,), else of `other`."""
 
         def merged(ours: Any, theirs: Any) -> Any:
             if isinstance(ours, Rows):
@@ -90,9 +90,9 @@ class Expansion(Rows):
 
 
 def symmetric_inverse(matrix: Array) -> Array:
-    """Invert symmetric matrices (..., p, p) made positive definite.
+    """Invert symmetric matrices (..., p, p), made positive definite.
 
-    At a diagonal of 1 each eigenvalue is replaced by its size, at least `FLATTEST`.
+    Matrices are scaled to a diagonal of 1. Each eigenvalue is then replaced by its absolute value, at least `FLATTEST`.
     """
     scale = np.sqrt(np.maximum(np.abs(np.diagonal(matrix, axis1=-2, axis2=-1)), FLATTEST))
     outer = scale[..., :, None] * scale[..., None, :]
@@ -102,9 +102,10 @@ def symmetric_inverse(matrix: Array) -> Array:
 
 
 def lay_out(cluster: Indices, *columns: Array, n_clusters: int = 0) -> list[Array]:
-    """Return rows (n_rows, ...) laid out as (n_clusters, n_slots, ...).
+    """Arrange rows (n_rows, ...) by cluster, as (n_clusters, n_slots, ...).
 
-    Unused slots are 0. Clusters without a row, up to the largest named or `n_clusters`, are empty.
+    Unused slots are 0. Clusters without rows are empty. Without `n_clusters`, the largest index sets the number of
+    clusters.
     """
     order = np.argsort(cluster, kind="stable")  # stable: the slots of a cluster keep the order of its rows
     sizes = np.bincount(cluster, minlength=n_clusters)

@@ -1,4 +1,7 @@
-"""Distributions and exact intervals by scipy.special, as scipy.stats is slow to load."""
+"""Distributions and exact intervals computed with scipy.special.
+
+scipy.stats is slow to load.
+"""
 
 from typing import Any
 
@@ -10,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 class Student:
-    """Student's t distribution with `df` degrees of freedom, also infinite."""
+    """Student's t distribution; `df` may be infinite."""
 
     @staticmethod
     def cdf(t: Any, df: Any) -> Any:
@@ -58,14 +61,14 @@ class ChiSquare:
 
 
 def exact_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = 0.95) -> tuple[Array, Array]:
-    """Return both ends of the exact interval of rates (Clopper and Pearson 1934, Biometrika 26, 404-413).
+    """Return exact intervals of rates (Clopper and Pearson 1934).
 
     >>> [end.round(3).tolist() for end in exact_interval([0, 5, 10], [10, 10, 10])]
     [[0.0, 0.187, 0.692], [0.308, 0.813, 1.0]]
     """
     k, n = (np.asarray(counts, dtype=np.float64) for counts in (n_yes, n_trials))
     tail = (1 - interval) / 2
-    # Without successes or failures the beta function is undefined.
+    # The beta quantile is undefined without successes or without failures.
     low = np.where(k > 0, betaincinv(np.maximum(k, 1), n - k + 1, tail), 0.0)
     high = np.where(k < n, betaincinv(k + 1, np.maximum(n - k, 1), 1 - tail), 1.0)
     return low, high

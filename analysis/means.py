@@ -1,4 +1,4 @@
-"""Tables by condition, means with t-intervals, rates with Wilson's intervals."""
+"""Tables by condition, means with t-intervals, rates with Wilson's."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from .distributions import Student
 
 
 def parts(table: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
-    """Return the rows of each combination of values, sorted."""
+    """Return the rows of each combination of values, in sorted order."""
     return table.groupby(list(keys), sort=True, observed=True) if keys else [((), table)]
 
 
 def by_condition(
     table: pd.DataFrame, keys: Sequence[str], row_of: Callable[[pd.DataFrame], Mapping[str, object]]
 ) -> pd.DataFrame:
-    """Return a row per combination: its values and `row_of` of its rows.
+    """Return one row per combination: its values and the result of `row_of`.
 
     >>> table = pd.DataFrame({"force_n": [3.0, 0.5, 3.0], "y": [1, 2, 3]})
     >>> by_condition(table, ["force_n"], lambda part: {"sum": part["y"].sum()}).values.tolist()
@@ -43,9 +43,10 @@ class Range:
         return bool(np.isfinite([self.low, self.high]).any())
 
     def around(self, mean: float, half: float) -> tuple[float, float]:
-        """Return the interval of a mean, given half its length without bounds.
+        """Return the interval of a mean from half its unbounded length.
 
-        It is symmetric on the logit of the range (the logarithm where one end is open), by the delta method.
+        By the delta method, the interval is symmetric on the logit of the range, or on the logarithm if one end is
+        open.
 
         >>> [round(end, 3) for end in Range(0, 1).around(0.71, 0.75)]
         [0.06, 0.989]
@@ -68,21 +69,21 @@ class Range:
 
 ANY, RATE, POSITIVE, AT_MOST_1 = Range(), Range(0.0, 1.0), Range(0.0), Range(high=1.0)
 FEWEST_IN_RANGE = 3
-"""Fewer values of a bounded quantity have no interval."""
+"""Smallest number of values for an interval of a bounded quantity."""
 INTERVAL = 0.95
 MEAN = ("mean", "mean_low", "mean_high", "sd")
 
 
 def mean_row(values: Array, interval: float = INTERVAL, name: str = "mean", possible: Range = ANY) -> dict[str, object]:
-    """Return all columns of `MEAN` under a name, None where undefined."""
+    """Return the columns of `MEAN` with prefix `name`, None if undefined."""
     row = dict.fromkeys(MEAN) | mean_with_interval(values, interval, possible)
     return {column.replace("mean", name): value for column, value in row.items()}
 
 
 def mean_with_interval(values: Array, interval: float = INTERVAL, possible: Range = ANY) -> dict[str, object]:
-    """Return the mean with SD and t-interval, if they are defined.
+    """Return the mean, SD and t-interval, as far as they are defined.
 
-    The interval stays within the `possible` range; a bounded one needs `FEWEST_IN_RANGE` values.
+    The interval stays within the `possible` range. If the range is bounded, it needs `FEWEST_IN_RANGE` values.
 
     >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([1.0, 2, 4]), 0.95).items()}
     {'mean': 2.333, 'mean_low': -1.461, 'mean_high': 6.128, 'sd': 1.528}
@@ -105,7 +106,7 @@ def mean_with_interval(values: Array, interval: float = INTERVAL, possible: Rang
 
 
 def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTERVAL) -> tuple[Array, Array]:
-    """Return Wilson's interval of rates (1927, J. Am. Stat. Assoc. 22, 209).
+    """Return the Wilson interval of rates (1927, J. Am. Stat. Assoc. 22, 209).
 
     >>> [end.round(3).tolist() for end in rate_interval([0, 5, 10], [10, 10, 10])]
     [[0.0, 0.237, 0.722], [0.278, 0.763, 1.0]]
@@ -116,5 +117,5 @@ def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTER
         rate = k / n
         middle = (rate + z**2 / (2 * n)) / (1 + z**2 / n)
         half = z * np.sqrt(rate * (1 - rate) / n + (z / (2 * n)) ** 2) / (1 + z**2 / n)
-    # Rounding may exclude a rate of exactly 0 or 1, and an error bar cannot be negative.
+    # Rounding may exclude a rate of exactly 0 or 1, but error bars must not be negative.
     return np.minimum(middle - half, rate), np.maximum(middle + half, rate)

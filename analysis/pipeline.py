@@ -1,4 +1,4 @@
-"""Analysis of a data set in five stages: trials, cells, estimates, outcomes, report."""
+"""Analysis of a data set in five stages."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -37,9 +37,9 @@ from .tasks.standard import FLOORS, TESTS, lowest_levels, standard_tests
 from .tasks.task_analysis import Results
 
 Tables = dict[str, pd.DataFrame]
-UNSCORED = "; a forced choice needs a column 'correct' or 'target'"
+UNSCORED = "; forced choices need a column 'correct' or 'target'"
 NOTHING = (
-    f"no valid answer of a task ({', '.join((*CURVES, *RESULTS))}) nor to a known questionnaire, expected some to "
+    f"no valid answer to a task ({', '.join((*CURVES, *RESULTS))}) or a known questionnaire, expected answers to "
     "analyse"
 )
 
@@ -66,27 +66,28 @@ def analyse(
     path : str or Path
         Data set folder or CSV file of trials.
     report : str or Path, optional
-        HTML file to write; its tables go into the folder ``<name>_tables``.
+        HTML file to write. The tables are written to the folder ``<name>_tables``.
     pdf : bool
         Also print the report to ``<name>.pdf`` with an installed browser or WeasyPrint.
     within : str or sequence of str, optional
         Factors; by default the columns between ``trial`` and ``procedure``.
     column_map : ColumnMap, optional
-        Names of a foreign table's columns.
+        Translation of the columns of another program's tables.
     level_scale : str, optional
-        ``linear``, ``log10`` or ``db``: axis of the fits; by default that of the map, else linear.
+        Axis of the fits: ``linear``, ``log10`` or ``db``. The default is that of the map, or else linear.
     plan : AnalysisPlan, optional
-        Exclusions and equivalence bounds; by default those in ``[analysis]`` of the data set's study.
+        Exclusions, equivalence bounds and primary analysis. The default is ``[analysis]`` in the data set's study.
     figures : str or Path, optional
-        Folder for every figure as SVG and as PNG at 300 dots per inch.
+        Folder to which every figure is written as SVG and as PNG at 300 dots per inch.
     warnings : sequence of str
-        Further warnings, listed first.
+        Additional warnings, listed before all others.
     replay : callable, optional
-        Estimates of the procedure that chose the levels of a block; by default the mean of staircase reversals.
+        Returns the threshold estimate of the procedure that chose the levels of a block. The default is the mean of
+        staircase reversals.
     touches : callable, optional
-        Returns percentiles of force and speed by participant, quantity, target and time from onset.
+        Returns percentiles of force and speed by participant, quantity, target and time from stimulus onset.
     spread : callable
-        Distributes the drawing of figures, as `map` does in this process.
+        Replacement for `map` that draws figures in parallel.
 
     Raises
     ------
@@ -96,9 +97,9 @@ def analyse(
         If the report cannot be written or printed.
     """
     path = Path(path)
-    expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
+    expect(report is not None or not pdf, "--pdf", "no --report", "--report FILE.html, from which the PDF is printed")
     if report is not None:
-        check_report(Path(report))  # before the analysis, which may take minutes
+        check_report(Path(report))  # fail before the analysis, which may take minutes
 
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
     trials = replace(trials, notes=(*warnings, *trials.notes))
@@ -115,7 +116,7 @@ def analyse(
 
 
 def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
-    """Analyse a trials table without writing anything."""
+    """Analyse a trials table without writing files."""
     trials = select_trials(everything, plan or AnalysisPlan())
     cells = count_cells(trials)
     estimates = estimate_cells(cells, replay)
@@ -125,7 +126,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
 
 @dataclass(frozen=True)
 class SelectedTrials:
-    """Stage 1: included trials, and `everything` with the excluded ones."""
+    """Stage 1: included trials, and `everything` including excluded trials."""
 
     everything: Trials
     trials: Trials
@@ -146,10 +147,10 @@ def select_trials(everything: Trials, plan: AnalysisPlan) -> SelectedTrials:
 
 @dataclass(frozen=True)
 class Cells:
-    """Stage 2: answers by participant and condition.
+    """Stage 2: answers counted by participant and condition.
 
-    `judged` are the rows of tasks with a curve, `all_judged` also those that the plan excludes. `direct` are the
-    tables of tasks without a curve.
+    `judged` contains the rows of tasks with a psychometric function, `all_judged` also the rows that the plan excludes.
+    `direct` contains the tables of tasks without a psychometric function.
     """
 
     selected: SelectedTrials
@@ -166,7 +167,7 @@ class Cells:
 
 
 def count_cells(selected: SelectedTrials) -> Cells:
-    """Count the answers of each participant in each condition, and score the questionnaires.
+    """Count answers by participant and condition; score questionnaires.
 
     Raises
     ------
@@ -186,7 +187,7 @@ def count_cells(selected: SelectedTrials) -> Cells:
 
 
 def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
-    """Return the tables of each task without a curve."""
+    """Return the tables of each task without a psychometric function."""
     rows_of = dict(iter(used.groupby("task")))
     tables: Tables = {}
     for task in (task for task in RESULTS if task in rows_of):
@@ -196,7 +197,7 @@ def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
 
 @dataclass(frozen=True)
 class CellEstimates:
-    """Stage 3: fits of the cells, and their `table` with goodness of fit and the procedures' estimates."""
+    """Stage 3: fits of cells, and their `table` with goodness of fit."""
 
     cells: Cells
     fits: list[Estimate]
@@ -206,12 +207,12 @@ class CellEstimates:
 
 
 def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
-    """Fit a psychometric function to each cell, and average the measured force."""
+    """Fit a psychometric function to each cell, and average the force."""
     factors, unit = cells.factors, counting.level_unit(cells.selected.trials)
     fits = counting.estimates(cells.cells, unit)
     table = counting.estimate_table(fits, factors, unit)
     if len(table):
-        # The procedure saw all answers, including excluded ones.
+        # The procedure used all answers, including excluded ones.
         table = table.join(rule_columns(counting.counted_answers(cells.all_judged), factors, fits, replay))
         options = {(task, n): CURVES[task].options(n, unit) for task, n in counting.curves_of(cells.cells)}
         answers, rng = counting.counted_answers(cells.judged), np.random.default_rng(SEED)
@@ -222,7 +223,7 @@ def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """Stage 4: comparisons of conditions, and fits of all participants at once."""
+    """Stage 4: comparisons of conditions, and hierarchical fits."""
 
     estimates: CellEstimates
     outcomes: tuple[Outcome, ...]
@@ -230,7 +231,7 @@ class Outcomes:
 
 
 def compare_conditions(estimates: CellEstimates) -> Outcomes:
-    """Compare the conditions in each dependent value of each task."""
+    """Compare the conditions for each dependent variable of each task."""
     is_planned = estimates.cells.selected.plan.hierarchical
     return Outcomes(estimates, tuple(_outcomes(estimates)), tuple(_hierarchical(estimates)) if is_planned else ())
 
@@ -244,8 +245,9 @@ def _outcomes(estimates: CellEstimates) -> Iterator[Outcome]:
         results = RESULTS.get(task, Results({}))
         compared = tables[results.compared or task]
         conditions = [name for name in (*factors, *results.further) if name in compared.columns]
-        forces = estimates.forces if set(conditions) == set(factors) else None  # known by the factors alone
-        bounds = plan.equivalence if results.in_levels else {}  # in the unit of the levels
+        # forces are known only by the factors of the study
+        forces = estimates.forces if set(conditions) == set(factors) else None
+        bounds = plan.equivalence if results.in_levels else {}  # bounds are in the unit of the levels
         for dependent in ANALYSES[task].dependents:
             yield outcome(compared, conditions, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
 

@@ -1,4 +1,4 @@
-"""Analysis plan that is stated before data are seen."""
+"""Analysis plan, written before data are seen."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -27,9 +27,9 @@ class AnalysisPlan:
     equivalence : mapping of str to float
         Largest negligible difference between the levels of a factor, in the unit of the threshold.
     hierarchical : bool
-        Also fits all participants at once.
+        Also fits a hierarchical model of all participants.
     primary : str, optional
-        Primary analysis; the others are checks. By default a rule chooses it.
+        Name of the primary analysis; the others are checks. By default a rule chooses it.
 
     Raises
     ------
@@ -50,25 +50,25 @@ class AnalysisPlan:
             expect(np.isfinite(bound) and bound > 0, f"equivalence.{name}", bound, "a difference above 0")
 
     def check(self, factors: Sequence[str]) -> None:
-        """Refuse a bound of an unknown factor."""
+        """Raise for an equivalence bound of an unknown factor."""
         for name in self.equivalence:
-            expected = f"some of {', '.join(factors)}{nearest(name, factors)}"
+            expected = f"one of {', '.join(factors)}{nearest(name, factors)}"
             expect(name in factors, f"equivalence.{name}", "no such factor", expected)
 
 
 def read_plan(path: str | Path) -> AnalysisPlan:
-    """Read a plan from TOML: tables `[exclusion]` and `[equivalence]`.
+    """Read a plan from TOML tables `[exclusion]` and `[equivalence]`.
 
     Raises
     ------
     InvalidFile
-        If it cannot be read, or contains unknown keys.
+        If the file cannot be read, or contains unknown keys.
     """
-    return read_toml(AnalysisPlan, Path(path), "a plan of analysis")
+    return read_toml(AnalysisPlan, Path(path), "an analysis plan")
 
 
 def plan_of(path: Path) -> AnalysisPlan:
-    """Return the plan in `[analysis]` of a study, else the empty plan.
+    """Return the plan in `[analysis]` of a study, or an empty plan.
 
     Raises `InvalidFile` if the study cannot be read, or its table contains unknown keys.
     """

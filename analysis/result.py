@@ -22,15 +22,15 @@ from .tasks.cells import CHOICES
 
 SHOWN_ROWS: Final = 20
 LAST_SHOWN: Final = ("quality", "excluded", "sittings", "happenings")
-"""Tables about the data, which a notebook shows after the estimates."""
+"""Tables about the data, shown after the estimates in notebooks."""
 
 
 @dataclass(frozen=True)
 class Analysis:
     """Result of one data set.
 
-    `tables` maps a name to the table that is written as NAME.csv. `report`, `pdf` and `tables_folder` are None until
-    written.
+    `tables` maps each name to the table that is written as NAME.csv. `report`, `pdf` and `tables_folder` are None until
+    they are written.
     """
 
     trials: Trials
@@ -60,7 +60,7 @@ class Analysis:
 
     @property
     def n_choices(self) -> dict[int, list[tuple[float | str, ...]]]:
-        """Conditions by the number of alternatives in forced choices."""
+        """Conditions of forced choices, by number of alternatives."""
         cells = [estimate.cell for estimate in self.estimates if estimate.cell.task in CHOICES]
         conditions: dict[int, list[tuple[float | str, ...]]] = {cell.n_choices: [] for cell in cells}
         for number, condition in dict.fromkeys((cell.n_choices, cell.condition) for cell in cells):
@@ -68,12 +68,12 @@ class Analysis:
         return dict(sorted(conditions.items()))
 
     def __repr__(self) -> str:
-        """Return trials, participants, warnings and tables in one line."""
+        """Summarise trials, participants, warnings and tables in one line."""
         n_trials, of_whom = count_of(len(self.trials.rows), "trial"), count_of(self.n_participants, "participant")
         return f"Analysis({n_trials} of {of_whom}, {count_of(len(self.warnings), 'warning')}; {', '.join(self.tables)})"
 
     def _repr_html_(self) -> str:
-        """Return warnings and tables for a notebook, the first table unfolded."""
+        """Return warnings and tables as HTML for a notebook."""
         warnings = "".join(f"<li>{escape(warning)}</li>" for warning in self.warnings)
         tables = (
             f"<details{'' if n else ' open'}><summary>{escape(name)} ({count_of(len(table), 'row')})</summary>"
@@ -83,12 +83,12 @@ class Analysis:
         return f"<p>{escape(repr(self))}</p><ul>{warnings}</ul>{''.join(tables)}"
 
     def stem(self, outcome: Outcome) -> str:
-        """Return the file name of an outcome, with its task if several."""
+        """Return the file name of an outcome, with its task if needed."""
         several = len({other.task for other in self.outcomes}) > 1
         return f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
 
     def table(self, name: str) -> pd.DataFrame:
-        """Return one of the tables, or an empty one."""
+        """Return a table by name, or an empty table."""
         return self.tables.get(name, pd.DataFrame())
 
 

@@ -1,4 +1,4 @@
-"""Numbers, names, conditions and tables as text."""
+"""Formatting of numbers, names, conditions and tables as text."""
 
 import math
 import re
@@ -10,11 +10,11 @@ import pandas as pd
 
 DIGITS = 3
 SMALLEST, LARGEST = 1e-3, 1e6
-"""Numbers outside of this range have an exponent."""
+"""Numbers outside this range are written with an exponent."""
 
 
 def decimals_of(x: float) -> int:
-    """Return the decimal places of three significant digits, at least one.
+    """Return the number of decimals for three significant digits, at least 1.
 
     >>> decimals_of(0.213), decimals_of(-4.8), decimals_of(120.0), decimals_of(0.0)
     (3, 2, 1, 1)
@@ -32,10 +32,10 @@ def number_text(x: float) -> str:
 
 
 def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str]:
-    """Return a value and its interval with the same decimal places.
+    """Format a value and its interval with equal numbers of decimals.
 
-    Three significant digits of the value, or of the larger end if the interval contains 0, and enough to separate the
-    ends.
+    Decimals show three significant digits of the value, or of the larger end if the interval contains 0, and at least
+    as many as needed to distinguish the ends.
 
     >>> interval_texts(1.25, 0.9, 1.61), interval_texts(0.2134, 0.1478, 0.2623), interval_texts(0.02, -1.5, 1.4)
     (('1.25', '0.90', '1.61'), ('0.213', '0.148', '0.262'), ('0.02', '-1.50', '1.40'))
@@ -51,7 +51,7 @@ def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str
 
 
 def interval_text(value: Any, low: Any = None, high: Any = None, decimals: int | None = None) -> str:
-    """Return a value with its interval, optionally with fixed `decimals`.
+    """Format a value with its interval, optionally with fixed `decimals`.
 
     >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25), interval_text(0.93, 0.87, 0.99)
     ('1.25 [0.90, 1.61]', '1.25', '0.930 [0.870, 0.990]')
@@ -79,7 +79,7 @@ def ends_text(low: Any, high: Any) -> str:
 
 
 def plain_text(value: object) -> str:
-    """Return a number as it was stated, anything else as text.
+    """Format a number without trailing zeros, and any other value as text.
 
     >>> plain_text(240.0), plain_text(0.5), plain_text("P0")
     ('240', '0.5', 'P0')
@@ -88,7 +88,7 @@ def plain_text(value: object) -> str:
 
 
 def cell_text(value: Any) -> str:
-    """Return a cell of a table, empty for a missing value.
+    """Format a table cell; missing values become "".
 
     >>> cell_text(240.0), cell_text(12345.0), cell_text(0.21349), cell_text(7), cell_text(None), cell_text(float("nan"))
     ('240', '12345', '0.213', '7', '', '')
@@ -112,7 +112,7 @@ def p_text(p: float) -> str:
 
 
 def share_text(x: float) -> str:
-    """Return a number of at most 1 without its leading zero.
+    """Format a number of at most 1 without its leading zero.
 
     >>> share_text(0.8449), share_text(-0.043), share_text(1.0)
     ('.845', '-.043', '1.000')
@@ -121,7 +121,7 @@ def share_text(x: float) -> str:
 
 
 def percent_text(share: float) -> str:
-    """Format a share in per cent.
+    """Format a share as a percentage.
 
     >>> percent_text(0.954)
     '95 %'
@@ -142,7 +142,7 @@ NAMED = 6
 
 
 def split_unit(name: str) -> tuple[str, str]:
-    """Return a name in words, and the unit of its suffix, if any.
+    """Split a column name into words and the unit of its suffix ("" if none).
 
     >>> split_unit("frequency_hz"), split_unit("speed_m_per_s"), split_unit("pattern")
     (('frequency', 'Hz'), ('speed', 'm/s'), ('pattern', ''))
@@ -154,7 +154,7 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def title_of(name: str) -> str:
-    """Return a factor's name as a heading.
+    """Return the name of a factor as a heading.
 
     >>> title_of("frequency_hz"), title_of("force_n"), title_of("pattern")
     ('Frequency (Hz)', 'Force (N)', 'Pattern')
@@ -164,7 +164,7 @@ def title_of(name: str) -> str:
 
 
 def dependent_title(name: str) -> str:
-    """Return the heading of a dependent value.
+    """Return the name of a dependent variable as a heading.
 
     >>> dependent_title("pse"), dependent_title("threshold")
     ('Point of subjective equality', 'Detection threshold')
@@ -173,7 +173,7 @@ def dependent_title(name: str) -> str:
 
 
 def dependent_name(name: str) -> str:
-    """Return the name of a dependent value in words.
+    """Return the name of a dependent variable in words.
 
     >>> dependent_name("jnd"), dependent_name("tip_speed")
     ('just noticeable difference', 'tip speed')
@@ -190,7 +190,7 @@ def in_unit(number: str, unit: str) -> str:
 
 
 def level_of(name: str, value: object) -> str:
-    """Return a factor's level with the unit of its name, if any.
+    """Format a level of a factor with the unit in the factor's name, if any.
 
     >>> level_of("frequency_hz", 240.0), level_of("pattern", "P0"), level_of("size", 3)
     ('240 Hz', 'P0', '3')
@@ -199,7 +199,7 @@ def level_of(name: str, value: object) -> str:
 
 
 def value_of(name: str, value: object) -> str:
-    """Return a factor's level, with the factor's name if it has no unit.
+    """Format a level with its unit, or else after the factor's name.
 
     >>> value_of("frequency_hz", 240.0), value_of("pattern", "P0"), value_of("size", 3)
     ('240 Hz', 'P0', 'size 3')
@@ -210,7 +210,7 @@ def value_of(name: str, value: object) -> str:
 
 
 def in_words(text: str, factors: Sequence[str]) -> str:
-    """Replace factor names in a sentence by words with units and ×.
+    """Replace factor names by words, add units, and write * as ×.
 
     >>> in_words("force_n * frequency_hz: F(2, 4) = 1.20", ["frequency_hz", "force_n"])
     'force × frequency: F(2, 4) = 1.20'
@@ -240,7 +240,7 @@ def condition_name(factors: Sequence[str], condition: Sequence[object]) -> str:
 
 
 def first_named(names: Sequence[str], most: int = NAMED) -> str:
-    """Return the first names, and the number of further ones.
+    """Join the first names and the number of further names.
 
     >>> first_named(["P1", "P2"]), first_named(["P1", "P2", "P3"], most=2)
     ('P1, P2', 'P1, P2 and 1 more')
@@ -250,18 +250,18 @@ def first_named(names: Sequence[str], most: int = NAMED) -> str:
 
 
 def named_cells(table: pd.DataFrame, factors: Sequence[str]) -> str:
-    """Return participants with their conditions, the first of them by name."""
+    """Join the first cells by name, and the number of further cells."""
     rows = table.head(NAMED).to_dict("records")
     names = [f"{row['participant']} {condition_name(factors, [row[name] for name in factors])}" for row in rows]
     more = len(table) - len(names)
     return "; ".join(names) + (f"; and {more} more" if more else "")
 
 
-REVERSALS, POSTERIOR_MEAN = "mean of the reversals without the first two or three, in even number", "posterior mean"
+REVERSALS, POSTERIOR_MEAN = "mean of an even number of reversals, without the first two or three", "posterior mean"
 
 
 class ProcedureWords(NamedTuple):
-    """A procedure with its article, and its own estimate, if any."""
+    """Name of a procedure with its article, and of its estimate, if any."""
 
     phrase: str
     estimate: str = ""
@@ -279,7 +279,7 @@ PROCEDURES = {
 
 
 def procedure_phrase(kind: str) -> str:
-    """Return a procedure with its article.
+    """Return the name of a procedure with its article.
 
     >>> procedure_phrase("staircase"), procedure_phrase("stochastic_approximation")
     ('a staircase', 'stochastic approximation')
@@ -288,7 +288,7 @@ def procedure_phrase(kind: str) -> str:
 
 
 def procedure_name(kind: str) -> str:
-    """Return a procedure without its article, unknown ones unchanged.
+    """Return the name of a procedure without its article.
 
     >>> procedure_name("staircase"), procedure_name("their_staircase")
     ('staircase', 'their_staircase')
@@ -297,13 +297,13 @@ def procedure_name(kind: str) -> str:
 
 
 MOST_COLUMNS = 8
-"""Largest number of conditions across a table."""
+"""Largest number of columns of conditions in a table."""
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return texts with the factor of most levels down, others across.
+    """Arrange texts with the factor with the most levels in rows.
 
-    If that is too wide, one factor, of numbers if there is one, runs across and the others down.
+    If this is too wide, only one factor (numeric if possible) is in columns.
     """
     if len(factors) < 2:
         return group[[*factors, "text"]].rename(columns={"text": "mean"})

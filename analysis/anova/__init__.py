@@ -1,4 +1,4 @@
-"""Within-participant designs: analysis of variance, contrasts, pairs, ranks."""
+"""ANOVA, contrasts and pairwise comparisons of within-participant designs."""
 
 from typing import TYPE_CHECKING
 

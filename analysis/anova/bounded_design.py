@@ -1,4 +1,4 @@
-"""Designs with bounds or missing values, and their largest complete part."""
+"""Designs with bounds or missing values, and their complete subsets."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,19 +26,20 @@ from .design import (
 from .split_plot import groups_of
 
 MIN_KNOWN = 2
-"""Known values that each condition needs (in each group)."""
-BOUND = "a value, or a bound below or above it, in this order; leave the row out"
+"""Smallest number of known values in each condition (of each group)."""
+BOUND = "a value, or a lower bound that does not exceed the upper bound; remove this row"
 MAX_SUBSETS = 200_000
 
 Subset = tuple[tuple[int, ...], ...]
-"""Indices of the kept levels of each factor."""
+"""Indices of the levels kept, for each factor."""
 
 
 @dataclass(frozen=True)
 class BoundedDesign:
-    """Values in units of `scale` about `centre`, with `levels` of the `factors` and `groups` of participants.
+    """Standardised values with their bounds, factors, levels and groups.
 
-    `n_censored` values are bounds, `n_missing` are unknown. Without a factor `between` there is one group.
+    Values are in units of `scale` about `centre`. `n_censored` values are known only by a bound, `n_missing` values are
+    unknown. Without a factor `between` there is one group.
     """
 
     data: BoundedValues
@@ -52,7 +53,7 @@ class BoundedDesign:
     scale: float = 1.0
 
     def cells(self) -> list[dict[str, object]]:
-        """Return the condition of each mean, group by group, the last factor fastest."""
+        """Return the condition of each mean, with the last factor varying fastest."""
         names = [*([self.between] if self.between else []), *self.factors]
         levels = [*([self.groups] if self.between else []), *self.levels]
         return [dict(zip(names, cell, strict=True)) for cell in product(*levels)]
@@ -68,14 +69,15 @@ def bounded_design(
     between: str | None,
     subject: str,
 ) -> BoundedDesign:
-    """Return the design of a table with at most one row per cell.
+    """Arrange a table with at most one row per cell as a design.
 
     Raises
     ------
     InvalidParameter
-        For a missing column, crossed bounds, several values in a cell, a participant in two groups.
+        For a missing column, a lower bound above the upper bound, several values in a cell, or a participant in two
+        groups.
     UndefinedStatistic
-        For too few participants, levels or known values in a cell, and the same value everywhere.
+        For too few participants, levels or known values in a cell, or if all values are equal.
     """
     keys = [subject, *within, *([between] if between else [])]
     expect_columns(table, [dependent, low, high, *keys], "censored_anova")
@@ -103,12 +105,12 @@ def bounded_design(
 
 
 def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
-    """Return the interval (row, 2) of each value; both ends are equal where it is known.
+    """Return the interval (row, 2) of each value; ends of known values agree.
 
     Raises
     ------
     InvalidParameter
-        For text, infinite values and crossed bounds, naming the row.
+        For text, infinite values, or a lower bound above the upper bound. The error names the row.
     """
     y, bottom, top = (_numbers(table, name) for name in (dependent, low, high))
     known = ~np.isnan(y)
@@ -135,14 +137,16 @@ def _layout(
     table: pd.DataFrame,
     keys: Sequence[str],
 ) -> tuple[Array, Array]:
-    """Return low and high ends (participant, cell), infinite where the table has no row."""
+    """Return lower and upper ends (participant, cell), infinite if missing."""
     shape = tuple(len(names) for names in levels)
     place = np.ravel_multi_index(list(codes), shape)
     order, n = np.unique(place, return_counts=True)
     if (n > 1).any():
         row = table.iloc[int(np.flatnonzero(place == order[n.argmax()])[0])]
         cell = ", ".join(f"{name} = {row[name]}" for name in keys[: len(codes)])
-        raise InvalidParameter(f"{cell}: found {n.max()} values, expected one in each cell, as bounds have no mean")
+        raise InvalidParameter(
+            f"{cell}: found {n.max()} values, expected one in each cell, as bounds cannot be averaged"
+        )
     laid = np.tile([-np.inf, np.inf], (int(np.prod(shape)), 1))
     laid[place] = ends
     low, high = laid.reshape(shape[0], -1, 2).transpose(2, 0, 1)
@@ -155,12 +159,12 @@ def _refuse_unknown(design: BoundedDesign) -> None:
     for names, n in zip(design.cells(), known.ravel(), strict=True):
         cell = ", ".join(f"{name} = {level}" for name, level in names.items()) or "table"
         found = f"{n} known value{'s' if n != 1 else ''}"
-        expected = f"at least {MIN_KNOWN} besides bounds; leave the condition out"
+        expected = f"at least {MIN_KNOWN} in addition to bounds; remove this condition"
         expect_defined(n >= MIN_KNOWN, DesignStatus.TOO_FEW_KNOWN, cell, found, expected)
 
 
 def _standardised(design: BoundedDesign, dependent: str) -> BoundedDesign:
-    """Centre and scale by mean and standard deviation of the known values."""
+    """Standardise by the mean and standard deviation of the known values."""
     data = design.data
     size = size_of(data.low[data.known])
     known = data.low[data.known] / size
@@ -172,7 +176,7 @@ def _standardised(design: BoundedDesign, dependent: str) -> BoundedDesign:
 
 @dataclass(frozen=True)
 class SubDesign:
-    """Part of a table, with its factors and the names of the omitted parts."""
+    """Subset of a table, with its factors and the names of what it omits."""
 
     table: pd.DataFrame
     within: tuple[str, ...]
@@ -182,8 +186,9 @@ class SubDesign:
 def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str) -> SubDesign | None:
     """Return the largest complete set of participants and levels.
 
-    Ties keep more participants. All combinations of subsets of levels are tried (with more than `MAX_SUBSETS`: all
-    levels only). None if no three participants share two levels of a factor.
+    Among sets of equal size, the one with more participants wins. All combinations of levels are tried, or only the
+    full set of levels if there are more than `MAX_SUBSETS` combinations. None if no three participants share two levels
+    of a factor.
     """
     axes, has = _presence(table, dependent, (subject, *within))
     best: tuple[Subset, Bools] | None = None
@@ -192,7 +197,7 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
         complete: Bools = np.asarray(has[np.ix_(range(len(has)), *chosen)].reshape(len(has), -1).all(axis=1))
         n_complete = int(complete.sum())
         rank = n_complete * _n_cells(chosen), n_complete
-        if n_complete >= MIN_PARTICIPANTS and rank > best_rank:  # the first of equal choices
+        if n_complete >= MIN_PARTICIPANTS and rank > best_rank:  # ties keep the first set
             best, best_rank = (chosen, complete), rank
     return None if best is None else _part(table, (subject, *within), axes, *best)
 
@@ -202,8 +207,8 @@ def largest_known(
 ) -> SubDesign | None:
     """Return the largest set of levels with enough known values.
 
-    Each combination of levels needs `at_least` known values (in each group). All participants are kept. None if no
-    factor keeps two levels.
+    Each combination of levels has `at_least` known values (in each group). All participants are kept. None if no such
+    set has two levels of a factor.
     """
     axes, has = _presence(table, dependent, (subject, *within))
     by_subject = table.drop_duplicates(subject).set_index(subject)
@@ -211,12 +216,12 @@ def largest_known(
     n_known = np.stack([has[group == g].sum(axis=0) for g in np.unique(group)]).min(axis=0)
     known = [chosen for chosen in _subsets(axes[1:]) if n_known[np.ix_(*chosen)].min() >= at_least]
     everyone = np.ones(len(has), dtype=bool)
-    # The first of equal choices.
+    # `max` keeps the first of equally large sets.
     return _part(table, (subject, *within), axes, max(known, key=_n_cells), everyone) if known else None
 
 
 def _presence(table: pd.DataFrame, dependent: str, columns: Sequence[str]) -> tuple[list[list[Any]], Bools]:
-    """Return the sorted values of each column, and which of their combinations have a value."""
+    """Return the values of each column, and which combinations are known."""
     axes = [sorted(table[name].unique()) for name in columns]
     has = np.zeros([len(names) for names in axes], dtype=bool)
     known = table[table[dependent].notna()]
@@ -227,7 +232,7 @@ def _presence(table: pd.DataFrame, dependent: str, columns: Sequence[str]) -> tu
 def _part(
     table: pd.DataFrame, columns: Sequence[str], axes: Sequence[list[Any]], chosen: Subset, complete: Bools
 ) -> SubDesign:
-    """Return the table of the `complete` participants (first column) at the chosen levels of the other columns."""
+    """Select `complete` participants (first column) at the chosen levels."""
     kept_places = [tuple(np.flatnonzero(complete)), *chosen]
     left_out = [f"participant {code}" for code, is_kept in zip(axes[0], complete, strict=True) if not is_kept]
     for n, (name, values, places) in enumerate(zip(columns, axes, kept_places, strict=True)):
@@ -242,9 +247,9 @@ def _n_cells(chosen: Subset) -> int:
 
 
 def _subsets(levels: Sequence[Sequence[object]]) -> list[Subset]:
-    """Return subsets in which a factor keeps two levels, the largest selections of each factor first."""
+    """Return subsets with at least two levels of a factor, largest first."""
     sizes = [len(names) for names in levels]
-    if np.prod([2.0**n - 1 for n in sizes]) > MAX_SUBSETS:  # floats, as the number may exceed any integer
+    if np.prod([2.0**n - 1 for n in sizes]) > MAX_SUBSETS:  # float, as the product may overflow an integer
         return [tuple(tuple(range(n)) for n in sizes)]
     by_factor = [[places for size in range(n, 0, -1) for places in combinations(range(n), size)] for n in sizes]
     return [chosen for chosen in product(*by_factor) if _n_cells(chosen) > 1]

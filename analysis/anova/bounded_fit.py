@@ -1,13 +1,13 @@
-"""Normal model of an analysis of variance, fitted to values and bounds.
+"""Analysis-of-variance model fitted to values and bounds by likelihood.
 
-A participant's values have the means of their conditions and one variance for each stratum (participants; participants
-by each factor; by each interaction). With all values known this is the analysis of variance itself. A bound contributes
-the probability of its interval (Tobin 1958, Econometrica 26, 24-36). Fitted by expectation and maximisation (Dempster,
-Laird and Rubin 1977), with the observed information of Louis (1982, Journal of the Royal Statistical Society B 44,
-226-233).
-Values between ends are drawn one after the other, given those before (Geweke, Hajivassiliou and Keane; Genz and Bretz
-2009, Computation of Multivariate Normal and t Probabilities, section 4.1), at fixed points that fill the cube evenly.
-The probability of one value is exact, that of two has five digits.
+Each participant's values are normal, with a mean for each condition and a variance for each stratum (participants,
+participants by each factor, participants by each interaction). If all values are known, the model equals the analysis
+of variance. A bound contributes the probability of its interval (Tobin 1958, Econometrica 26, 24-36). The fit uses
+expectation maximisation (Dempster, Laird and Rubin 1977), with the observed information by Louis (1982, Journal of the
+Royal Statistical Society B 44, 226-233). Values within bounds are drawn in sequence, each conditional on the earlier
+ones (Geweke, Hajivassiliou and Keane; Genz and Bretz 2009, Computation of Multivariate Normal and t Probabilities,
+section 4.1), at fixed quasi-random points. The probability of one bounded value is exact; that of two is accurate to
+five digits.
 """
 
 from collections.abc import Sequence
@@ -23,23 +23,24 @@ from ..arrays import Array, Bools, Indices
 from .contrasts import contrasts, effect_places
 
 TOLERANCE = 1e-8
-"""Convergence tolerance of a step, in standard deviations and in logarithms of the variances."""
+"""Convergence tolerance of a step: in standard deviations for means, in logarithms for variances."""
 MAX_STEPS = 2000
 LEAST_VARIANCE = 1e-12
 """Variances below this fraction of the largest one count as zero."""
 LOG_TWO_PI = float(np.log(2 * np.pi))
 N_POINTS = 1024
-"""Number of Sobol points, a power of two as the sequence requires."""
+"""Number of Sobol points (the sequence requires a power of two)."""
 SEED = 20_171_101
-"""Seed of the scrambling, so that equal data give equal results."""
+"""Seed of the scrambled sequence, so that equal data yield equal results."""
 SMALLEST = 1e-300
 
 
 @dataclass(frozen=True)
 class BoundedValues:
-    """Values (participant, cell) between `low` and `high`: equal ends are known, infinite ends missing.
+    """Values (participant, cell) between `low` and `high`.
 
-    `group` (participant,) counts from 0; `n_levels` are those of the factors, the last one fastest.
+    Known values have equal ends, missing values infinite ends. `group` (participant,) is the index of each
+    participant's group. `n_levels` is the number of levels of each factor; cells vary fastest along the last factor.
     """
 
     low: Array
@@ -58,19 +59,19 @@ class BoundedValues:
 
     @cached_property
     def strata(self) -> tuple[Array, ...]:
-        """Orthonormal contrasts (contrast, cell) of each stratum, participants first."""
+        """Orthonormal contrasts (contrast, cell) by stratum, participants first."""
         places = [(), *effect_places(len(self.n_levels))]
         return tuple(contrasts(self.n_levels, of_stratum) for of_stratum in places)
 
     def matrix(self, variances: Array) -> Array:
-        """Return the covariance (cell, cell) with these variances of the strata."""
+        """Return the covariance (cell, cell) from the variances of the strata."""
         pairs = zip(variances, self.strata, strict=True)
         return np.asarray(sum(variance * stratum.T @ stratum for variance, stratum in pairs), dtype=np.float64)
 
 
 @dataclass(frozen=True)
 class Points:
-    """Possible values (n, cell) of a participant with weights (n,), and the log probability of what is known."""
+    """Weighted possible values (n, cell) of a participant."""
 
     values: Array
     weights: Array
@@ -79,10 +80,11 @@ class Points:
 
 @dataclass(frozen=True)
 class BoundedFit:
-    """Maximum of the likelihood.
+    """Maximum-likelihood fit.
 
-    `means` (group, cell) and `variances` (stratum,); `covariance` of the means, row by row, and then of the log
-    variances (0 without error); `moments` (group, cell, cell) are the covariances of each group's values.
+    `means` has the shape (group, cell), `variances` (stratum,). `covariance` is that of the means, row by row, followed
+    by the log variances (0 for strata without error). `moments` (group, cell, cell) are the covariances of the values
+    within each group.
     """
 
     data: BoundedValues
@@ -116,26 +118,26 @@ class BoundedFit:
 
     @property
     def inflation(self) -> float:
-        """Ratio of the restricted likelihood's variances to the likelihood's."""
+        """Ratio of the variances by restricted likelihood to those by likelihood."""
         return len(self.data.low) / self.df
 
     @property
     def has_error(self) -> Bools:
-        """Return for each stratum True if its variance is more than rounding."""
+        """Return True for each stratum whose variance exceeds rounding error."""
         return _above_rounding(self.variances)
 
     def df_of(self, stratum: int) -> float:
-        """Return the degrees of freedom of each contrast of a stratum, reduced for bounds (Satterthwaite)."""
+        """Return the degrees of freedom of a stratum, reduced for bounds."""
         if not self.has_error[stratum]:
             return float(self.df)
         place = self.means.size + stratum
-        # Twice the squared variance over the variance of its estimate; the covariance is that of the log variance.
+        # 2 variance^2 / Var(variance), where `covariance` is that of the log variance.
         df = 2 / float(self.covariance[place, place]) / len(self.data.strata[stratum])
         return min(df / self.inflation, float(self.df))
 
 
 def fit_bounded(data: BoundedValues) -> BoundedFit:
-    """Fit values of about unit size.
+    """Fit the model to values with a standard deviation of about 1.
 
     Raises
     ------
@@ -163,18 +165,18 @@ def fit_bounded(data: BoundedValues) -> BoundedFit:
 
 
 def _maximum(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Array]:
-    """Return means and variances of the completed values."""
+    """Return the means and variances expected under the weights (M step)."""
     expected = np.stack([of_one.weights @ of_one.values for of_one in points])
     members = np.equal.outer(np.arange(len(data.sizes)), data.group)
     means = members @ expected / data.sizes[:, None]
     second = _second_moments(data, points, means).sum(axis=0) / len(expected)
-    # Mean variance of a stratum's contrasts: the trace of C M C', over their number.
+    # Mean variance of the contrasts C of a stratum: trace(C M C') / number of contrasts.
     variances = np.array([np.sum((stratum @ second) * stratum) / len(stratum) for stratum in data.strata])
     return means, np.maximum(variances, LEAST_VARIANCE * variances.max())
 
 
 def _second_moments(data: BoundedValues, points: Sequence[Points], means: Array) -> Array:
-    """Return sums of squares and products about the means, shape (group, cell, cell)."""
+    """Return sums of squares and products about means (group, cell, cell)."""
     sums = np.zeros((len(means), *[means.shape[1]] * 2))
     for of_one, place in zip(points, data.group, strict=True):
         away = of_one.values - means[place]
@@ -189,7 +191,7 @@ def _points(data: BoundedValues, means: Array, variances: Array) -> list[Points]
 
 
 def _points_of_one(low: Array, high: Array, mean: Array, covariance: Array) -> Points:
-    """Return the density of the known values, and points of the others given them."""
+    """Return points of the unknown values, conditional on the known values."""
     known = low == high
     of_known = covariance[np.ix_(known, known)]
     both = covariance[np.ix_(known, ~known)]
@@ -213,7 +215,7 @@ def _above_rounding(variances: Array) -> Bools:
 
 
 def _inverse_of_free(information: Array, variances: Array) -> Array:
-    """Invert the information; a variance without error is at the end of its range, with a covariance of 0."""
+    """Invert the information; variances of 0 are fixed, with covariance 0."""
     free = np.concatenate([np.full(len(information) - len(variances), True), _above_rounding(variances)])
     covariance = np.zeros(information.shape)
     covariance[np.ix_(free, free)] = np.linalg.inv(information[np.ix_(free, free)])
@@ -221,7 +223,7 @@ def _inverse_of_free(information: Array, variances: Array) -> Array:
 
 
 def _information(data: BoundedValues, points: Sequence[Points], means: Array, variances: Array) -> Array:
-    """Return the negative Hessian of the log-likelihood along means and log variances."""
+    """Return the negative Hessian in means and log variances."""
     n_cells = means.shape[1]
     whole = np.zeros((means.size + len(variances),) * 2)
     for of_one, place in zip(points, data.group, strict=True):
@@ -237,7 +239,7 @@ def _information_of_one(data: BoundedValues, away: Array, weights: Array, varian
     strata = zip(data.strata, variances, strict=True)
     by_stratum = [away @ stratum.T @ stratum / variance for stratum, variance in strata]
     halves = np.stack([0.5 * np.sum(pull * away, axis=1) for pull in by_stratum], axis=1)
-    # Louis: the gradient's variance over the possible values is information that is missing.
+    # Louis: the variance of the gradient over the possible values is the missing information.
     gradient = np.hstack([away @ inverse, halves])
     gradient = gradient - weights @ gradient
     information = -(gradient * weights[:, None]).T @ gradient
@@ -250,7 +252,7 @@ def _information_of_one(data: BoundedValues, away: Array, weights: Array, varian
 
 
 def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) -> Points:
-    """Return points of normal values (d,) between `low` and `high`, which may be infinite."""
+    """Return weighted points of a truncated normal distribution."""
     root, even = np.linalg.cholesky(covariance), _even(len(mean))
     steps, log_weights = np.zeros(even.shape), np.zeros(len(even))
     for j, sd in enumerate(np.diagonal(root)):
@@ -259,7 +261,7 @@ def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) ->
         steps[:, j], log_probability = _standard_between(even[:, j], bottom, top)
         log_weights += log_probability
     largest = log_weights.max()
-    weights = np.exp(log_weights - largest)  # probabilities far in a tail underflow
+    weights = np.exp(log_weights - largest)  # subtract the largest, as probabilities far in a tail underflow
     log_mean = largest + np.log(weights.mean())
     return Points(mean + steps @ root.T, weights / weights.sum(), float(log_mean))
 
@@ -274,10 +276,10 @@ def _even(n_dimensions: int) -> Array:
 
 
 def _standard_between(even: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Return standard normal values at even parts of the probability between ends, and its logarithm.
+    """Return quantiles and log probability of a truncated standard normal.
 
-    Computed in the lower tail, which keeps its digits; parts count from the low end also where the tail is flipped, as
-    values would else jump when an end passes 0, and the search would not converge.
+    The computation uses the lower tail for precision. Quantiles count from the lower end even if the tail is flipped:
+    otherwise they would jump when an end crosses 0, and the search would not converge.
     """
     flipped = low > 0
     low, high = np.where(flipped, -high, low), np.where(flipped, -low, high)
@@ -286,5 +288,5 @@ def _standard_between(even: Array, low: Array, high: Array) -> tuple[Array, Arra
     with np.errstate(invalid="ignore"):
         log_probability = top + log1mexp(np.maximum(top - bottom, SMALLEST))
     log_share = np.minimum(np.logaddexp(bottom, log_probability + np.log(even)), 0.0)
-    values = np.clip(ndtri_exp(log_share), low, high)  # rounding may lead beyond an end
+    values = np.clip(ndtri_exp(log_share), low, high)  # rounding may exceed an end
     return np.where(flipped, -values, values), log_probability

@@ -1,7 +1,8 @@
-"""Analysis of variance of values with bounds or missing values.
+"""Analysis of variance with censored or missing values.
 
-No participant is excluded. With all values known, F, degrees of freedom, corrections, effect sizes and comparisons
-equal those of `repeated_measures`, `mixed_anova`, `pairs` and `group_pairs`. A missing value is missing at random.
+No participant is excluded. If all values are known, F, degrees of freedom, corrections, effect sizes and comparisons
+equal those of `repeated_measures`, `mixed_anova`, `pairs` and `group_pairs`. Missing values are assumed to be missing
+at random.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,23 +24,23 @@ from .group_means import within_variances
 from .post_hoc import all_together, two_one_sided, with_verdicts
 from .within_subjects import INTERVAL, EffectTest, effect_table
 
-LEAVE_OUT = "leave the conditions out in which most values are bounds"
+LEAVE_OUT = "remove the conditions in which most values are bounds"
 WIDEST_SE = 10.0
-"""Largest standard error of a determined mean, in standard deviations of the known values."""
+"""Largest standard error of a mean that counts as determined, in SDs of the known values."""
 LEAST_SD = 1e-7
-"""Standard deviations below this, relative to that of the values, are rounding."""
+"""Standard deviations below this fraction of the values' SD count as rounding error."""
 
 
 @dataclass(frozen=True)
 class CensoredAnova:
-    """Effects in the columns of `repeated_measures`, without Mauchly's test, and the fit in units of the design."""
+    """Effects as in `repeated_measures`, with the fit in design units."""
 
     table: pd.DataFrame
     design: BoundedDesign
     fit: BoundedFit
 
     def means(self, interval: float = 0.95) -> pd.DataFrame:
-        """Return the mean of each condition (and group) with the intervals of `group_table`."""
+        """Return condition means with the intervals described in `group_table`."""
         fit, (centre, scale) = self.fit, (self.design.centre, self.design.scale)
         kept = np.diagonal(fit.of_means) / np.tile(np.diagonal(fit.model), len(fit.means))
         sizes = np.repeat(fit.data.sizes, fit.means.shape[1])
@@ -64,16 +65,16 @@ def censored_anova(
     subject: str,
     interval: float = INTERVAL,
 ) -> CensoredAnova:
-    """Compute an analysis of variance of values that may be bounds.
+    """Compute an analysis of variance with values that may be censored.
 
     Parameters
     ----------
     dependent : str
-        Column of the values; empty where a value is unknown.
+        Column of the values; empty if a value is unknown.
     low, high : str
-        Columns of bounds, read where the value is empty; an empty bound is infinite.
+        Columns of the bounds, used if the value is empty. An empty bound is infinite.
     within : str or sequence of str
-        Up to three columns of conditions (none: the means alone).
+        Up to three columns of conditions; without any, only the means are returned.
     between : str, optional
         Column of the groups of participants.
     interval : float
@@ -82,15 +83,15 @@ def censored_anova(
     Raises
     ------
     InvalidParameter
-        For a missing column, crossed bounds, several values in a cell, a participant in two groups. As
-        `UndefinedStatistic`: for fewer than three participants, two levels or two known values in a condition, the same
-        value everywhere, and too few known values.
+        For a missing column, a lower bound above the upper bound, several values in a cell, or a participant in two
+        groups. `UndefinedStatistic` is raised for fewer than three participants, fewer than two levels, fewer than two
+        known values in a condition, constant values, or too few known values.
 
     Notes
     -----
-    Maximum likelihood with the variances of the restricted likelihood (n / (n - groups)). F is Wald's with the observed
-    information; its degrees of freedom are those of the design, reduced for bounds (Satterthwaite), its epsilons those
-    of the covariance of the completed values.
+    Estimates are by maximum likelihood; variances are multiplied by n / (n - groups), as in restricted likelihood. F is
+    the Wald statistic with the observed information. Its degrees of freedom are those of the design, reduced for bounds
+    (Satterthwaite). Its epsilons come from the covariance expected under the fit.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -110,7 +111,7 @@ def censored_anova(
 
 
 def _determined_fit(design: BoundedDesign) -> BoundedFit:
-    """Return the fit, if the known values determine it."""
+    """Fit the design. Raises if the known values do not determine the fit."""
     try:
         fit = fit_bounded(design.data)
         with np.errstate(invalid="ignore"):
@@ -118,29 +119,29 @@ def _determined_fit(design: BoundedDesign) -> BoundedFit:
     except np.linalg.LinAlgError:
         errors = np.array([np.nan])
     is_determined = np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE
-    found = "no maximum of the likelihood"
+    found = "a likelihood without a maximum"
     expected = f"enough known values for each mean; {LEAVE_OUT}"
     expect_defined(is_determined, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     return fit
 
 
 def _effects(design: BoundedDesign, fit: BoundedFit, interval: float) -> pd.DataFrame:
-    """Return the effects in the order of `repeated_measures`, or of `mixed_anova`."""
+    """Return the effects in the order of `repeated_measures` or `mixed_anova`."""
     from scipy.linalg import helmert  # slow to load
 
     n_groups, between = len(fit.means), design.between
     together, apart = np.full((1, n_groups), 1 / n_groups), helmert(n_groups)
     tested = [] if between is None else [_wald_test(fit, 0, apart, between)]
-    for stratum, places in enumerate(effect_places(len(design.factors)), 1):  # stratum 0 is that of the participants
+    for stratum, places in enumerate(effect_places(len(design.factors)), 1):  # stratum 0 is the participants
         name = " * ".join(design.factors[place] for place in places)
         tested.append(_wald_test(fit, stratum, together, name))
         if between is not None:
             tested.append(_wald_test(fit, stratum, apart, f"{between} * {name}"))
 
     least = min((effect.df[1] for effect in tested), default=1.0)
-    found, expected = f"{least:.1f} degrees of freedom of an error", f"at least 1; {LEAVE_OUT}"
+    found, expected = f"{least:.1f} error degrees of freedom", f"at least 1; {LEAVE_OUT}"
     expect_defined(least >= 1, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
-    # With groups, an effect within and its interaction share their error.
+    # With groups, a within-participant effect and its interaction with the group share an error.
     errors = sum(effect.ss_error for effect in (tested[1::2] if between else tested))
     residual = float(fit.variances[0] * fit.inflation * fit.df_of(0) + errors)
     table = effect_table(tested, residual, design.scale, interval) if tested else pd.DataFrame()
@@ -149,7 +150,7 @@ def _effects(design: BoundedDesign, fit: BoundedFit, interval: float) -> pd.Data
 
 
 def _wald_test(fit: BoundedFit, stratum: int, of_groups: Array, name: str) -> EffectTest:
-    """Test the contrasts of a stratum, of all groups together or between them."""
+    """Test the contrasts of a stratum, averaged over groups or between groups."""
     contrasts = fit.data.strata[stratum]
     weights = np.kron(of_groups, contrasts)
     estimate = weights @ fit.means.ravel()
@@ -163,10 +164,10 @@ def _wald_test(fit: BoundedFit, stratum: int, of_groups: Array, name: str) -> Ef
 
 @dataclass(frozen=True)
 class CellContrast:
-    """Difference of two levels, with standard error and degrees of freedom.
+    """Difference between two levels, with standard error and df.
 
     `keys` names the levels `a` and `b`, and `estimate` is `b` minus `a`. `sd` is the standard deviation of the
-    participants' differences. All values are in the unit of the design.
+    participants' differences. All values are in design units.
     """
 
     keys: Mapping[str, object]
@@ -179,10 +180,10 @@ class CellContrast:
 def censored_pairs(
     model: CensoredAnova, factor: str, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
 ) -> pd.DataFrame:
-    """Compare all pairs of levels of `factor`, averaged over other factors and groups or at each level of `by`.
+    """Compare all pairs of levels, averaged or at each level of `by`.
 
-    The columns are those of `pairs`, without Bayes factor and the interval of dz. Each pair has a separate standard
-    error. Bounds reduce the degrees of freedom.
+    Averages are over the other factors and groups. The columns are those of `pairs`, without the Bayes factor and the
+    interval of dz. Each pair has its own standard error. Bounds reduce the degrees of freedom.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -218,9 +219,9 @@ def censored_equivalence(model: CensoredAnova, factor: str, *, bound: float, alp
 def censored_group_pairs(
     model: CensoredAnova, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
 ) -> pd.DataFrame:
-    """Compare all pairs of groups, averaged over the conditions or at each level of `by`.
+    """Compare all pairs of groups, averaged or at each level of `by`.
 
-    The columns are those of `group_pairs`, without Bayes factor.
+    The columns are those of `group_pairs`, without the Bayes factor.
     """
     rows = [
         keys | _group_row(model, weights, places, interval)
@@ -231,7 +232,7 @@ def censored_group_pairs(
 
 
 def _contrasts(model: CensoredAnova, factor: str, by: str | None) -> Iterator[CellContrast]:
-    """Yield the difference of each pair of levels of `factor`."""
+    """Yield the difference between each pair of levels of `factor`."""
     place = model.design.factors.index(factor)
     levels = model.design.levels[place]
     for keys, average, group in _averages(model, by):
@@ -239,15 +240,15 @@ def _contrasts(model: CensoredAnova, factor: str, by: str | None) -> Iterator[Ce
         for i, j in combinations(range(len(levels)), 2):
             weights = np.zeros_like(by_level)
             weights[j], weights[i] = by_level[j], -by_level[i]
-            # The mean weighs every level 1 / n, a difference weighs two of them 1.
+            # `by_level` weights each of n levels by 1 / n; a difference weights its two levels by 1.
             cell = np.moveaxis(weights, 0, place).ravel() * len(levels)
             yield _contrast(model, cell, group, keys | {"a": levels[i], "b": levels[j]})
 
 
 def _averages(model: CensoredAnova, by: str | None) -> list[tuple[dict[str, object], Array, int | None]]:
-    """Return weights (cell,) of the mean of all conditions, groups or levels.
+    """Return the weights (cell,) of means, overall or at each level of `by`.
 
-    Each comes with the name of its level and the index of its group.
+    Each item also contains the name of its level and the index of its group.
     """
     n_levels, groups = model.fit.data.n_levels, model.design.groups
     whole = np.full(n_levels, 1 / np.prod(n_levels))
@@ -262,7 +263,7 @@ def _averages(model: CensoredAnova, by: str | None) -> list[tuple[dict[str, obje
 
 
 def _contrast(anova: CensoredAnova, cell: Array, group: int | None, keys: Mapping[str, object]) -> CellContrast:
-    """Return a contrast of conditions in one group, or in the plain mean of all groups."""
+    """Return a contrast in one group, or in the unweighted mean of groups."""
     fit, n_groups = anova.fit, len(anova.fit.means)
     if group is None:
         of_groups = np.full(n_groups, 1 / n_groups)
@@ -273,9 +274,9 @@ def _contrast(anova: CensoredAnova, cell: Array, group: int | None, keys: Mappin
     weights = np.kron(of_groups, cell)
     contrast_variance = max(float(cell @ moments @ cell), 0.0)
     variance, model = float(weights @ fit.of_means @ weights), float(cell @ fit.model @ cell)
-    # Remaining information: the variance with all values known, over the one there is.
+    # Share of information that remains: variance if all values were known / actual variance.
     kept = min(1.0, model * float(np.sum(of_groups**2 / fit.data.sizes)) / variance)
-    # The model shares a variance within a stratum; the contrast has its own.
+    # Replace the model's common variance of the stratum with the variance of this contrast.
     error = float(np.sqrt(variance * contrast_variance / model))
     return CellContrast(keys, float(weights @ fit.means.ravel()), error, df * kept, float(np.sqrt(contrast_variance)))
 
@@ -293,11 +294,11 @@ def _group_row(model: CensoredAnova, cell: Array, places: Sequence[int], interva
     of_group = [slice(g * k, (g + 1) * k) for g in places]
     group_variances = np.array([cell @ fit.moments[g] @ cell for g in places])
     of_means = np.array([cell @ fit.of_means[rows, rows] @ cell for rows in of_group])
-    # As in `_contrast`: the model shares a variance, each group has its own.
+    # As in `_contrast`: replace the model's common variance with that of each group.
     variances = group_variances * of_means / float(cell @ fit.model @ cell)
     first, second = (float(cell @ fit.means[g]) for g in places)
     difference, error = second - first, np.sqrt(variances.sum())
-    df = variances.sum() ** 2 / float(np.sum(variances**2 / (n - 1)))  # Welch and Satterthwaite's
+    df = variances.sum() ** 2 / float(np.sum(variances**2 / (n - 1)))  # Welch-Satterthwaite
 
     pooled_sd = np.sqrt(np.sum((n - 1) * group_variances) / (n.sum() - 2))
     size = difference / pooled_sd * (1 - 3 / (4 * n.sum() - 9))  # Hedges' correction of Cohen's d

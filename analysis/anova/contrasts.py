@@ -1,7 +1,7 @@
-"""Effects of a within-participant design as orthonormal contrasts.
+"""Effects of within-participant designs as scores on contrasts.
 
-Each participant's values become scores of shape (participant, contrast). They give what pingouin and statsmodels lack:
-Chi and Muller's epsilon, exact permutations, designs of three factors (Winer, Brown and Michels 1991, chapter 7).
+The scores have the shape (participant, contrast). They provide what pingouin and statsmodels lack: Chi and Muller's
+epsilon, exact permutation tests, and designs with three factors (Winer, Brown and Michels 1991, chapter 7).
 """
 
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ from ..arrays import Array
 from .design import WithinDesign
 
 MOST_EXACT = 14
-"""Up to this number of participants, all sign changes are enumerated."""
+"""Largest number of participants for which all sign changes are enumerated."""
 RANK_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
 class ContrastEffect:
-    """Effect of its factors with the scores of all participants, shape (participant, contrast)."""
+    """Main effect or interaction, with scores (participant, contrast)."""
 
     factors: tuple[str, ...]
     scores: Array
@@ -37,7 +37,7 @@ class ContrastEffect:
 
     @property
     def f(self) -> float:
-        """F, or NaN without error."""
+        """F statistic, NaN if the error is 0."""
         ss = len(self.scores) * float(np.sum(self.scores.mean(axis=0) ** 2))
         return ss / self.df[0] / (self.ss_error / self.df[1]) if self.ss_error > 0 else np.nan
 
@@ -53,7 +53,7 @@ class ContrastEffect:
 
     @property
     def is_singular(self) -> bool:
-        """Return True if the error matrix has no inverse: too few participants, or dependent contrasts."""
+        """Return True if the error matrix has no inverse."""
         n, n_contrasts = self.scores.shape
         eigenvalues = np.linalg.eigvalsh(self.covariance)
         is_dependent = bool(eigenvalues[0] <= RANK_TOLERANCE * eigenvalues[-1])
@@ -61,30 +61,30 @@ class ContrastEffect:
 
 
 def effects(design: WithinDesign) -> list[ContrastEffect]:
-    """Return the main effects, then the interactions."""
+    """Return the effects of a design: main effects first, then interactions."""
     found = []
     for places in effect_places(len(design.factors)):
         scores = design.cells @ contrasts(design.values.shape[1:], places).T
         mean = scores.mean(axis=0)
         if np.abs(scores - mean).max() <= design.rounding:
-            scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined
+            scores = np.broadcast_to(mean, scores.shape)  # an error due to rounding counts as 0: F is then undefined
         found.append(ContrastEffect(tuple(design.factors[place] for place in places), scores))
     return found
 
 
 def effect_places(n_factors: int) -> list[tuple[int, ...]]:
-    """Return the places of each effect's factors: main effects first, then the interactions."""
+    """Return the indices of each effect's factors, main effects first."""
     return [places for r in range(1, n_factors + 1) for places in combinations(range(n_factors), r)]
 
 
 def participant_scores(design: WithinDesign) -> Array:
-    """Return one score for each participant, whose sum of squares is that of the participants."""
+    """Return a score per participant, for effects between participants."""
     scores: Array = design.cells.sum(axis=1) / np.sqrt(design.cells.shape[1])
     return scores
 
 
 def contrasts(n_levels: tuple[int, ...], places: tuple[int, ...]) -> Array:
-    """Return orthonormal rows (contrast, cell): Helmert's along the factors at `places`, else the mean."""
+    """Return Helmert contrasts of the factors at `places`, else means."""
     from scipy.linalg import helmert  # slow to load
 
     whole = np.ones((1, 1))
@@ -95,18 +95,18 @@ def contrasts(n_levels: tuple[int, ...], places: tuple[int, ...]) -> Array:
 
 
 def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
-    """Return the epsilons of Greenhouse and Geisser, Huynh and Feldt, and Chi and Muller.
+    """Return the epsilons of Greenhouse-Geisser, Huynh-Feldt and Chi-Muller.
 
-    `covariance` (contrast, contrast) is that of orthonormal contrasts, estimated with `df` degrees of freedom. Huynh
-    and Feldt's is corrected for groups (Lecoutre 1991, Journal of Educational Statistics 16, 371-372). Chi and
-    Muller's accounts for few degrees of freedom (Chi, Gribbin, Lamers, Gregory and Muller 2012, Statistics in Medicine
-    31, 724-742); it is at least Greenhouse and Geisser's here.
+    `covariance` (contrast, contrast) is that of orthonormal contrasts, estimated with `df` degrees of freedom.
+    Huynh-Feldt's epsilon is corrected for groups (Lecoutre 1991, Journal of Educational Statistics 16, 371-372).
+    Chi-Muller's epsilon accounts for few degrees of freedom (Chi, Gribbin, Lamers, Gregory and Muller 2012, Statistics
+    in Medicine 31, 724-742); its lower limit here is Greenhouse-Geisser's.
     """
     p = len(covariance)
     squares = p * float(np.sum(covariance**2))
     greenhouse_geisser = float(np.trace(covariance)) ** 2 / squares if squares > 0 else 1.0
     room = p * (df - p * greenhouse_geisser)
-    wide = ((df + 1) * p * greenhouse_geisser - 2) / room if room > 0 else np.inf  # infinite: cut to 1 below
+    wide = ((df + 1) * p * greenhouse_geisser - 2) / room if room > 0 else np.inf  # infinite, limited to 1 below
     n_moments = (df - 1) + df * (df - 1) / 2
     kept = (n_moments - 2) * (n_moments - 4) / n_moments**2 if n_moments > 4 else 0.0
     huynh_feldt = min(1.0, max(wide, greenhouse_geisser))
@@ -115,22 +115,22 @@ def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
 
 
 def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
-    """Return p of an effect by random signs of the participants' contrasts.
+    """Return the p of an effect from sign changes of the contrasts.
 
-    Exact for symmetric errors, whatever the sphericity and rank of the error matrix: the sum of squares of effect and
-    error together is constant, so that the effect's own orders them as F does.
+    The test is exact for symmetric errors, without sphericity or an error matrix of full rank. The sum of squares of
+    effect plus error is constant, so that ranking by the effect's sum of squares equals ranking by F.
     """
     n = len(effect.scores)
     exact = n <= MOST_EXACT
     if exact:
-        # The first sign stays: turning all signs changes no square.
+        # The first sign stays fixed, as changing all signs leaves the squares unchanged.
         signs = np.array(list(product((1.0,), *[(1.0, -1.0)] * (n - 1))))
     elif rng is None:
-        raise InvalidParameter(f"rng: found none for {n} participants, expected a Generator to draw signs with")
+        raise InvalidParameter(f"rng: found none for {n} participants, expected a Generator that draws the signs")
     else:
         signs = rng.choice([-1.0, 1.0], size=(n_resamples, n))
     sums = np.sum((signs @ effect.scores) ** 2, axis=1)
     observed = float(np.sum(effect.scores.sum(axis=0) ** 2))
-    n_as_large = int(np.sum(sums >= observed * (1 - 1e-12)))  # equal but for rounding counts
-    # Drawn signs leave out the observed ones, which are as large as themselves: p is never 0.
+    n_as_large = int(np.sum(sums >= observed * (1 - 1e-12)))  # equal up to rounding counts as large
+    # The observed signs count as one more draw, so that p is never 0.
     return n_as_large / len(signs) if exact else (n_as_large + 1) / (n_resamples + 1)

@@ -1,4 +1,4 @@
-"""Within-participant designs: one value in every cell, checked so that statistics are defined."""
+"""Complete within-participant designs, checked for undefined statistics."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ AVERAGED = "several values of one participant in one cell were averaged"
 
 
 class DesignStatus(StatusWithNote):
-    """Why a design has no statistic; `OK` and `SINGULAR` have one."""
+    """Reason why a statistic is undefined, except `OK` and `SINGULAR`."""
 
     OK = "ok", ""
     SINGULAR = "singular_error_matrix", "the error matrix is singular"
@@ -27,50 +27,50 @@ class DesignStatus(StatusWithNote):
     MISSING_CELL = "missing_cell", "a participant has no value in one of the conditions"
     TOO_FEW_PARTICIPANTS = "too_few_participants", "too few participants have a value"
     SMALL_GROUP = "small_group", ""
-    ONE_LEVEL = "one_level", "a factor has one level only"
+    ONE_LEVEL = "one_level", "a factor has only one level"
     CONSTANT = "constant", "all values are equal"
     NO_VARIANCE_WITHIN = "no_variance_within", "no participant's values differ between conditions"
     ZERO_ERROR = (
         "zero_error",
-        "the effect is the same in all participants, so that there is no error to compare it with",
+        "the effect is the same in all participants, so its error is 0",
     )
     TOO_FEW_KNOWN = "too_few_known", "too few values are known"
-    NO_MAXIMUM = "no_maximum", "the known values do not determine its estimates"
+    NO_MAXIMUM = "no_maximum", "the known values do not determine the estimates"
 
 
 def reason_of(refusal: InvalidParameter) -> str:
-    """Return why an analysis has no result, in words for a report.
+    """Return the reason why an analysis has no result, as text for a report.
 
     >>> reason_of(UndefinedStatistic("y: found 3, expected more", DesignStatus.CONSTANT))
     'all values are equal'
     """
     status = refusal.status if isinstance(refusal, UndefinedStatistic) else DesignStatus.NO_MAXIMUM
-    return status.note or str(refusal)  # a message that names a group says more than any note
+    return status.note or str(refusal)  # without a note, the message names the small group
 
 
 class UndefinedStatistic(InvalidParameter):
-    """Values for which a test is not defined, with the reason in `status`."""
+    """Error for values without a defined test; `status` is the reason."""
 
     def __init__(self, message: str, status: DesignStatus) -> None:
         super().__init__(message)
         self.status = status
 
     def __reduce__(self) -> tuple[type["UndefinedStatistic"], tuple[str, DesignStatus]]:
-        """Keep the status when pickled, as pickle passes the message alone."""
+        """Pickle the status too, as the default passes only the message."""
         return type(self), (str(self), self.status)
 
 
 def expect_defined(holds: bool | np.bool_, status: DesignStatus, where: str, found: object, expected: str) -> None:
-    """Raise `UndefinedStatistic` with its status unless a condition of a statistic holds."""
+    """Raise `UndefinedStatistic` with `status` unless `holds`."""
     if not holds:
         raise UndefinedStatistic(f"{where}: found {found}, expected {expected}", status)
 
 
 @dataclass(frozen=True)
 class WithinDesign:
-    """Values of shape (participant, levels of the first factor, ...), with the names of all axes.
+    """Values (participant, level, ...) with the names along all axes.
 
-    `notes` are for the reader; differences below `rounding` count as zero.
+    `notes` are for the report. Differences below `rounding` count as zero.
     """
 
     values: Array
@@ -86,19 +86,19 @@ class WithinDesign:
 
     @property
     def cells(self) -> Array:
-        """Values of shape (participant, cell), the last factor fastest."""
+        """Values (participant, cell), with the last factor varying fastest."""
         return self.values.reshape(self.n, -1)
 
 
 def within_design(
     table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str, where: str
 ) -> WithinDesign:
-    """Return the design of a table in long form; several values of one cell are averaged, with a note.
+    """Arrange a table in long form as a design; repeated cells are averaged.
 
     Raises
     ------
     InvalidParameter
-        For a missing column, or other than one to three different factors.
+        For a missing column, or if there are not one to three different factors.
     UndefinedStatistic
         For values that are not finite, missing cells, too few participants or levels.
     """
@@ -117,7 +117,7 @@ def within_design(
     _refuse_holes(n_values, levels, (subject, *within), dependent)
 
     y = data[dependent].to_numpy()
-    size = size_of(y)  # in units of the largest, sums of values near the largest float stay finite
+    size = size_of(y)  # divided by the largest value first, as sums of very large floats would overflow
     values = size * (np.bincount(place, y / size, minlength=n_values.size).reshape(shape) / n_values)
     rounding = RELATIVE_ZERO * float(np.abs(values).max())
     return WithinDesign(values, tuple(within), levels[1:], levels[0], _average_note(n_values), rounding)
@@ -128,29 +128,34 @@ def names_of(within: Sequence[str] | str) -> list[str]:
 
 
 def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
-    """Return the place of each row's value among the sorted values of a column.
+    """Return each row's index in the sorted values, and these values.
 
     Raises
     ------
     InvalidParameter
-        If they have no order.
+        If the values cannot be sorted.
     """
     try:
         codes, different = pd.factorize(data[name], sort=True)
     except TypeError:
         kinds = ", ".join(sorted({type(value).__name__ for value in data[name]}))
-        raise InvalidParameter(f"{name}: found values without an order ({kinds}), expected numbers or text") from None
+        raise InvalidParameter(
+            f"{name}: found values that cannot be sorted ({kinds}), expected numbers or text"
+        ) from None
     return codes, list(different)
 
 
 def _average_note(n_values: Indices) -> tuple[str, ...]:
     few, many = int(n_values.min()), int(n_values.max())
-    uneven = f", from {few} to {many} in a cell: values are missing in some" if few < many else ""
+    uneven = f", {few} to {many} per cell" if few < many else ""
     return (AVERAGED + uneven,) if many > 1 else ()
 
 
 def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, where: str) -> pd.DataFrame:
-    """Return the named columns, checked for finite values and named levels; an error names the first bad row."""
+    """Return the named columns, checked for finite values and named levels.
+
+    An error names the first bad row.
+    """
     expect_columns(table, columns, where)
     data = table[list(dict.fromkeys(columns))].reset_index(drop=True)
     values = pd.to_numeric(data[dependent], errors="coerce").to_numpy(dtype=np.float64)
@@ -158,14 +163,14 @@ def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, whe
     row = int(bad.argmax())
     place = ", ".join(f"{name} = {data[name][row]}" for name in columns if name != dependent)
     found = f"{data[dependent][row]} ({place})"
-    expected = "a finite number; leave the participant or the condition out"
+    expected = "a finite number; remove the participant or the condition"
     expect_defined(not bad.any(), DesignStatus.NOT_FINITE, f"{dependent}, row {row}", found, expected)
     expect_names(data, [name for name in columns if name != dependent])
     return data.assign(**{dependent: values})
 
 
 def expect_columns(table: pd.DataFrame, columns: Sequence[str], where: str) -> None:
-    """Refuse a table without rows or without one of the columns."""
+    """Raise for a table without rows or without one of the columns."""
     known = list(map(str, table.columns))
     for name in columns:
         if name not in known:
@@ -174,8 +179,8 @@ def expect_columns(table: pd.DataFrame, columns: Sequence[str], where: str) -> N
 
 
 def expect_names(data: pd.DataFrame, columns: Sequence[str]) -> None:
-    """Refuse a row without a participant or a condition."""
-    expected = "the name of a participant or a condition; leave the row out"
+    """Raise for a row without a participant or a condition."""
+    expected = "the name of a participant or a condition; remove the row"
     for name in columns:
         is_empty = data[name].isna().to_numpy()
         where = f"{name}, row {is_empty.argmax()}"
@@ -183,7 +188,10 @@ def expect_names(data: pd.DataFrame, columns: Sequence[str]) -> None:
 
 
 def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequence[str]) -> None:
-    """Refuse fewer than three participants, or two levels of a factor; `levels` has the participants first."""
+    """Raise for fewer than three participants, or two levels of a factor.
+
+    The first item of `levels` lists the participants.
+    """
     n = len(levels[0])
     found, expected = f"{n} participant{'s' if n != 1 else ''}", f"at least {MIN_PARTICIPANTS} to compare"
     expect_defined(n >= MIN_PARTICIPANTS, DesignStatus.TOO_FEW_PARTICIPANTS, subject, found, expected)
@@ -192,12 +200,12 @@ def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequenc
 
 
 def refuse_one(name: str, n: int, what: str) -> None:
-    """Refuse a factor of fewer than two values (or groups)."""
+    """Raise for a factor with fewer than two values (or groups)."""
     expect_defined(n >= 2, DesignStatus.ONE_LEVEL, name, f"{n} {what}", "at least 2 to compare")
 
 
 def refuse_constant(spread: float, size: float, dependent: str) -> None:
-    """Refuse values whose spread is rounding relative to the largest."""
+    """Raise if the spread of the values is only rounding error."""
     has_spread = spread > RELATIVE_ZERO * size
     expect_defined(has_spread, DesignStatus.CONSTANT, dependent, "the same value everywhere", "values that differ")
 
@@ -210,19 +218,19 @@ def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: 
     first = ", ".join(f"{name} = {values[i]}" for name, values, i in axes)
     whose = ", ".join(dict.fromkeys(str(levels[0][i]) for i in holes[:, 0]))
     raise UndefinedStatistic(
-        f"{dependent}: found no value for {first} ({len(holes)} missing cell{'s' if len(holes) > 1 else ''}, of "
-        f"{whose}), expected one in every cell; leave the participant or the condition out, or fit a mixed model",
+        f"{dependent}: found no value for {first} ({len(holes)} missing cell{'s' if len(holes) > 1 else ''}: "
+        f"{whose}), expected one in every cell; remove the participant or the condition, or fit a mixed model",
         DesignStatus.MISSING_CELL,
     )
 
 
 def spread(values: Array, dependent: str) -> float:
-    """Return the standard deviation of all values (participant, cell).
+    """Return the standard deviation of all values, if F is defined.
 
     Raises
     ------
     UndefinedStatistic
-        Without any difference, without one within participants, or with the same in all of them.
+        If all values are equal, if conditions do not differ, or if they differ equally in all participants.
     """
     unit = size_of(values)
     values = values / unit
@@ -231,8 +239,17 @@ def spread(values: Array, dependent: str) -> float:
     within = values - values.mean(axis=1, keepdims=True)
     has_differences = np.abs(within).max() > RELATIVE_ZERO * size
     found = "no difference between the conditions of any participant"
-    expect_defined(has_differences, DesignStatus.NO_VARIANCE_WITHIN, dependent, found, "some: F is undefined")
+    expect_defined(
+        has_differences,
+        DesignStatus.NO_VARIANCE_WITHIN,
+        dependent,
+        found,
+        "differences, without which F is undefined",
+    )
     has_error = np.abs(within - within.mean(axis=0)).max() > RELATIVE_ZERO * size
-    found, expected = "the same differences in all participants", "some to differ: the error is 0 and F is undefined"
+    found, expected = (
+        "the same differences in all participants",
+        "some error, without which F is undefined",
+    )
     expect_defined(has_error, DesignStatus.ZERO_ERROR, dependent, found, expected)
     return sd * unit

@@ -1,9 +1,9 @@
-"""Mean of a dependent value in each condition, with intervals, and the number of bounds.
+"""Means by condition, with intervals and numbers of bounds.
 
-An interval between participants covers the mean of a condition. An interval within participants shows differences
-between conditions: Cousineau's (2005, Tutorials in Quantitative Methods for Psychology 1, 42-45) with Morey's
-correction (2008, the same journal 4, 61-64), from values minus the participant's own mean. Two means differ where such
-intervals, shortened by sqrt(1 / 2), do not overlap (Baguley 2012, Behavior Research Methods 44, 158-175).
+A between-participants interval covers the mean of a condition. A within-participants interval shows differences between
+conditions: it is Cousineau's (2005, Tutorials in Quantitative Methods for Psychology 1, 42-45) with Morey's correction
+(2008, the same journal 4, 61-64), computed from values minus the participant's mean. Two means differ if such
+intervals, multiplied by sqrt(1 / 2), do not overlap (Baguley 2012, Behavior Research Methods 44, 158-175).
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,21 +22,21 @@ BOUNDS: Mapping[str, tuple[str, str]] = {
     "pse": ("interval_low", "interval_high"),
     "jnd": ("jnd_low", "jnd_high"),
 }
-"""Columns of the bounds of an unknown value. Other values have none."""
+"""Columns of the bounds of an unknown value, by dependent variable."""
 RANGES: Mapping[str, Range] = {"rate_correct": RATE, "jnd": POSITIVE}
-"""Possible values of bounded dependents."""
+"""Range of each dependent variable whose values are limited."""
 LOW, HIGH = "lower_bound", "upper_bound"
 LEVELS = ("threshold", "pse")
-"""Values whose bound is an end of the levels."""
+"""Dependent variables whose bound is the lowest or highest level."""
 MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
 WITHIN = MEANS[4:]
 COUNTS = ("n", "n_below", "n_above", "n_interval", "n_missing")
 OUT = ("threshold_below_range", "threshold_above_range")
-"""Statuses of values that lie outside of the levels, on the side that their one bound shows."""
+"""Statuses of values outside the range of the levels; the single bound shows the side."""
 MODEL = "censored model"
 OF_FIT = "interval of the fit"
 DIFFERENCE = float(np.sqrt(0.5))
-"""Factor on intervals that then do not overlap where means differ (Baguley 2012)."""
+"""Factor of the within-participants intervals after which a gap means a difference (Baguley 2012)."""
 
 
 def group_table(
@@ -47,12 +47,12 @@ def group_table(
     model: pd.DataFrame | None = None,
     possible: Range | None = None,
 ) -> pd.DataFrame:
-    """Return one row per condition: mean, t-interval between participants, SD, interval within participants, n.
+    """Return mean, SD, n and intervals of each condition.
 
-    `n_below` and `n_above` count values outside of the levels, `n_interval` those with an interval only, `n_missing`
-    unknown ones. A condition with bounds has the mean of `model` (as `CensoredAnova.means`), or none; `method` names
-    it. A single participant has the interval of the fit (`OF_FIT`). Intervals stay within the `possible` range, by
-    default that of `RANGES`.
+    `n_below` and `n_above` count values below or above the levels, `n_interval` values known only by an interval,
+    `n_missing` unknown values. The mean of a condition with bounds comes from `model` (the result of
+    `CensoredAnova.means`), or is missing without a model; `method` names the source. With a single participant the
+    intervals are those of the fit (`OF_FIT`). Intervals stay within the `possible` range, by default that of `RANGES`.
     """
     possible = RANGES.get(dependent, ANY) if possible is None else possible
     halves = {} if model is not None else _within_halves(estimates, factors, dependent, interval)
@@ -69,7 +69,7 @@ def group_table(
 def _with_own_intervals(
     table: pd.DataFrame, estimates: pd.DataFrame, factors: Sequence[str], dependent: str
 ) -> pd.DataFrame:
-    """Add the intervals of the fits to a table of one participant."""
+    """Use the intervals of the fits in a table of one participant."""
     if dependent not in BOUNDS or not set(BOUNDS[dependent]) <= set(estimates.columns):
         return table
     rows: list[dict[Any, Any]] = table.to_dict("records")
@@ -84,7 +84,7 @@ def _with_own_intervals(
 
 
 def is_of_fit(means: pd.DataFrame) -> bool:
-    """Return True if the intervals are those of one participant's fits."""
+    """Return True if the intervals come from the fits of a single participant."""
     return "method" in means.columns and bool((means["method"] == OF_FIT).any())
 
 
@@ -98,7 +98,7 @@ def bounds_of(estimates: pd.DataFrame, dependent: str) -> pd.DataFrame:
 
 
 def _row_of(model: pd.DataFrame, names: Mapping[str, object]) -> "pd.Series[float] | None":
-    """Return the model's row of a condition, or None if the model leaves it out."""
+    """Return the model's row of a condition, or None if there is none."""
     shared = [name for name in names if name in model.columns]
     rows = model[(model[shared] == [names[name] for name in shared]).all(axis=1)]
     return rows.iloc[0] if len(rows) == 1 else None
@@ -107,7 +107,7 @@ def _row_of(model: pd.DataFrame, names: Mapping[str, object]) -> "pd.Series[floa
 def _within_halves(
     estimates: pd.DataFrame, factors: Sequence[str], dependent: str, interval: float
 ) -> dict[tuple[object, ...], float]:
-    """Return half the interval within participants of each condition, where all (of a group) have all values."""
+    """Return half the within-participants interval of each condition."""
     if "participant" not in estimates.columns or not factors:
         return {}
     varied = estimates.groupby("participant")[list(factors)].nunique().max() > 1
@@ -119,7 +119,7 @@ def _within_halves(
         wide = members.pivot_table(dependent, "participant", within, dropna=False, observed=True, aggfunc="mean")
         for condition, half in _halves(wide, interval).items():
             value_of = dict(zip([*between, *within], [*group, *condition], strict=True))
-            by_condition[tuple(value_of[name] for name in factors)] = half  # keys in the order of all factors again
+            by_condition[tuple(value_of[name] for name in factors)] = half  # keys in the order of `factors`
     return by_condition
 
 
@@ -166,7 +166,7 @@ def _group(
 
 
 def _of_model(model: "pd.Series[float]", names: Sequence[str], possible: Range) -> dict[str, float]:
-    """Return columns of a model's row, with its symmetric intervals kept within the possible range."""
+    """Return values of a model's row, limited to the possible range."""
     row = {name: float(model[name]) for name in names}
     for low, high in (MEANS[1:3], WITHIN):
         if low in row:
@@ -178,7 +178,7 @@ def _text(row: Mapping[str, Any], n: int, where: str) -> str:
     sides = [f"{row[f'n_{side}']} {side}" for side in ("below", "above") if row[f"n_{side}"]]
     unknown = [f"{', '.join(sides)} {where}"] if sides else []
     if row["n_interval"]:
-        unknown.append(f"{row['n_interval']} with an interval only")
+        unknown.append(f"{row['n_interval']} known by an interval only")
     if row["n_missing"] and (unknown or row["n"]):
         unknown.append(f"{row['n_missing']} missing")
     if row["mean"] is None:
@@ -189,7 +189,7 @@ def _text(row: Mapping[str, Any], n: int, where: str) -> str:
 
 
 def within_variances(covariance: Array) -> Array:
-    """Return the variance of each condition without what participants share; missing for one condition."""
+    """Return variances of conditions after removing participant means."""
     k = len(covariance)
     if k < 2:
         return np.full(k, np.nan)

@@ -1,6 +1,7 @@
-"""Comparisons of conditions: pairs, corrections, Bayes factors, equivalence, simple effects.
+"""Pairwise tests, Bayes factors, equivalence and simple effects.
 
-Equivalence is shown by two one-sided tests (Schuirmann 1987) against a bound that is stated before the data are seen.
+Equivalence is tested by two one-sided tests (Schuirmann 1987) against a bound that was specified before the data were
+seen.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,17 +21,18 @@ from .design import UndefinedStatistic, within_design
 ALPHA = 0.05
 SPREADS, FAR_T = 12.0, 1e4
 BAYES_SCALE, LOG_STEP, BELOW, BEYOND = 0.707, 0.02, 8.0, 60.0
-"""Bayes factor: scale of the prior; step of the integral over log g, and its reach below g = 1 and above the peak."""
+"""Bayes factor: scale of the prior, step of the integral over log g, and limits of the integral below g = 1 and above
+the peak."""
 CORRECTIONS = {"holm": "holm", "bonferroni": "bonf", "sidak": "sidak", "fdr_bh": "fdr_bh", "none": "none"}
-"""Corrections of p for the number of tests, with pingouin's names."""
+"""Corrections of p for the number of tests, with their names in pingouin."""
 _TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "dz_high", "bf10")
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Values of all participants under two conditions `a` and `b`, in units of `size`.
+    """Values of all participants in conditions `a` and `b`, scaled by `size`.
 
-    `keys` name the conditions, and the level of another factor if there is one.
+    `keys` names the conditions and, if there is another factor, its level.
     """
 
     keys: dict[str, object]
@@ -43,7 +45,7 @@ class Pair:
 
     @property
     def has_error(self) -> bool:
-        """Return True if participants differ in their differences by more than rounding."""
+        """Return True if differences vary by more than rounding error."""
         size = max(float(np.abs(values).max()) for values in self.values)
         return float(np.ptp(self.differences)) > RELATIVE_ZERO * size
 
@@ -59,18 +61,19 @@ def pairs(
     correction: str = "holm",
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Compare all levels of `factor`, or all others with `reference`, by paired t-tests.
+    """Compare pairs of levels, or all levels with `reference`, by t-tests.
 
-    At each level of `by` if given, with one correction for all. Each pair has its own error, as a pooled one needs
-    sphericity. Values are averaged over other columns, which `attrs["notes"]` states.
+    If `by` is set, pairs are compared at each of its levels, with one correction for all tests. Each pair has its own
+    error term, as a pooled one would require sphericity. Values are averaged over other columns, with a note in
+    `attrs["notes"]`.
 
     Returns
     -------
     DataFrame
-        `a`, `b`, `difference` (b minus a) with its own interval (`difference_low`, `difference_high`) and that of all
-        pairs together (`simultaneous_low`, `simultaneous_high`), `t`, `df`, `p_unc`, `p_corr`, `dz` (mean over standard
+        `a`, `b`, `difference` (b minus a) with its interval (`difference_low`, `difference_high`) and the simultaneous
+        interval (`simultaneous_low`, `simultaneous_high`), `t`, `df`, `p_unc`, `p_corr`, `dz` (mean over standard
         deviation of the differences) with its interval, `bf10` (Rouder et al. 2009, scale 0.707), and a `status`: `ok`,
-        or `zero_error` where all participants differ alike.
+        or `zero_error` if the difference is the same in all participants.
 
     Raises
     ------
@@ -91,18 +94,19 @@ def pairs(
 
 
 def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.DataFrame:
-    """Add p and intervals of all rows together.
+    """Add simultaneous intervals and p corrected for the number of rows.
 
-    The intervals are Bonferroni's, for every correction but none: all cover their differences in at least `interval` of
-    studies. Holm's p steps further, so that an interval may contain 0 where Holm's p is below 5 %, never the reverse.
+    Simultaneous intervals are Bonferroni's for every correction except `none`: in a share of at least `interval` of
+    studies, all intervals cover their differences. Holm's p is smaller, so an interval may contain 0 although p is
+    below 5 %, but never the reverse.
     """
     result = result.drop(columns=["simultaneous_low", "simultaneous_high", "p_corr"], errors="ignore")
-    # Pairs without error have no p, and are not counted.
+    # Pairs without error have no p and do not count as tests.
     n_tested = 1 if correction == "none" else max(1, int(result["p_unc"].notna().sum()))
     df = result["df"].astype(float).to_numpy()
     wider = Student.isf((1 - interval) / 2 / n_tested, df) / Student.isf((1 - interval) / 2, df)
     low, high = (result[f"difference_{end}"].astype(float) for end in ("low", "high"))
-    # Halved first: a sum of large ends may overflow.
+    # Halve before adding, as the sum of large ends may overflow.
     middle, half = low / 2 + high / 2, (high / 2 - low / 2) * wider
     place = list(result.columns).index("difference_high") + 1
     result.insert(place, "simultaneous_low", middle - half)
@@ -113,7 +117,7 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
 
 
 def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
-    """Adjust p for the number of tests by `pingouin.multicomp`; a missing p is not counted.
+    """Correct p for the number of tests; a missing p does not count.
 
     Raises
     ------
@@ -145,7 +149,7 @@ def compare(
 
 
 def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[Pair]:
-    """Return the pairs with the reference, which comes first."""
+    """Return the pairs that contain the reference, with the reference as `a`."""
     levels = {pair.keys[side] for pair in compared for side in ("a", "b")}
     names = ", ".join(sorted(map(str, levels)))
     expect(reference in levels, "reference", f"{factor} = {reference}", f"one of {names}")
@@ -174,16 +178,16 @@ def _row(pair: Pair, interval: float) -> dict[str, object]:
 
 
 def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:
-    """Return the interval of dz: noncentralities of t over the root of n (Cumming 2012)."""
+    """Return the interval of dz by noncentralities of t (Cumming 2012)."""
     tail = (1 - interval) / 2
     low, high = (_noncentrality(t, n - 1, probability) for probability in (1 - tail, tail))
     return low / np.sqrt(n), high / np.sqrt(n)
 
 
 def _noncentrality(t: float, df: int, probability: float) -> float:
-    """Return the noncentrality at which a t or smaller has this probability.
+    """Return the noncentrality at which P(T <= t) equals `probability`.
 
-    For very large t, where scipy's series fails, the normal part of t is negligible (to 20 / t^2).
+    For very large t scipy's series fails; there the normal part of t is negligible (relative error about 20 / t^2).
     """
     from scipy.optimize import brentq  # slow to load
 
@@ -192,7 +196,7 @@ def _noncentrality(t: float, df: int, probability: float) -> float:
 
     def above(x: float) -> float:
         share = float(nctdtr(df, x, t))
-        # Far out the series has no value: all or nothing lies below t there.
+        # Far out the series returns NaN; the probability is 0 or 1 there.
         return (share if np.isfinite(share) else float(x < t)) - probability
 
     step = SPREADS * (1 + abs(t) / np.sqrt(2 * df))
@@ -200,11 +204,11 @@ def _noncentrality(t: float, df: int, probability: float) -> float:
 
 
 def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
-    """Return the Bayes factor of one sample of differences or of two samples; infinite beyond the floats.
+    """Return the Bayes factor of a paired or two-sample t-test.
 
     Rouder, Speckman, Sun, Morey and Iverson 2009, Psychonomic Bulletin & Review 16, 225-237, eq. 1 and 2; scale 0.707.
-    `pingouin.bayesfactor_ttest` misses the peak of the integrand from t of some hundreds on, and is negative there.
-    Over log g the integrand falls exponentially on both sides, so that a sum is exact.
+    `pingouin.bayesfactor_ttest` misses the peak of the integrand and is negative if t is several hundred or more. As a
+    function of log g the integrand decays exponentially on both sides, so that a sum over equal steps is accurate.
 
     >>> [round(bayes_factor(t, 3), 2) for t in (2.0, 1e4)]
     [1.13, 6908.34]
@@ -213,7 +217,7 @@ def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
     if n_second is not None:
         n, df = n_first * n_second / (n_first + n_second), n_first + n_second - 2
     log_null = -(df + 1) / 2 * float(np.log1p(t**2 / df))
-    # The prior has its peak below g = 1 and the likelihood about n g r^2 = t^2 / df; between them it may be flat.
+    # The prior peaks below g = 1, the likelihood near n g r^2 = t^2 / df; the integrand may be flat between them.
     log_peak = float(np.log(max(1.0, t**2 / (df * n * BAYES_SCALE**2))))
     log_g = np.arange(-BELOW, log_peak + BEYOND, LOG_STEP)
     k = 1 + n * BAYES_SCALE**2 * np.exp(log_g)
@@ -224,7 +228,7 @@ def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
 
 
 def evidence(bf10: float) -> str:
-    """Describe a Bayes factor (Jeffreys 1961, as Lee and Wagenmakers 2013 name the grades).
+    """Describe a Bayes factor (Jeffreys 1961; Lee and Wagenmakers 2013).
 
     >>> evidence(12.0), evidence(0.2), evidence(1.5)
     ('strong evidence for a difference', 'moderate evidence for no difference', 'anecdotal evidence for a difference')
@@ -246,14 +250,14 @@ def equivalence(
     by: str | None = None,
     alpha: float = 0.05,
 ) -> pd.DataFrame:
-    """Test all levels of `factor` for differences within `bound`, by two one-sided paired t-tests.
+    """Test all pairs of levels for equivalence by two one-sided t-tests.
 
     Returns
     -------
     DataFrame
-        Per pair: `difference` (b minus a) with its 1 - 2 alpha interval, `t_low` and `t_high`, the larger `p`, and
-        whether they are `equivalent`. `attrs["p_all"]` is the largest p: the claim that *all* pairs are equivalent
-        needs no correction (Berger 1982).
+        For each pair: `difference` (b minus a) with its 1 - 2 alpha interval, `t_low`, `t_high`, `p` (the larger of
+        both) and `equivalent`. `attrs["p_all"]` is the largest p: the claim that *all* pairs are equivalent needs no
+        correction (Berger 1982).
 
     Raises
     ------
@@ -281,7 +285,7 @@ def equivalence(
 
 
 def with_verdicts(rows: Sequence[Mapping[str, object]], bound: float, alpha: float) -> pd.DataFrame:
-    """Return a table of pairs with the verdict on each, and that on all of them in `attrs`."""
+    """Return a table of pairs with `equivalent`, and an overall p in `attrs`."""
     result = pd.DataFrame(rows)
     result["equivalent"] = result["p"] < alpha
     result.attrs |= {"p_all": float(result["p"].max()), "bound": bound, "alpha": alpha}
@@ -291,7 +295,10 @@ def with_verdicts(rows: Sequence[Mapping[str, object]], bound: float, alpha: flo
 def two_one_sided(
     difference: float, error: float, df: float, bound: float, alpha: float, unit: float
 ) -> dict[str, float]:
-    """Test a difference with a standard error, both in multiples of `unit`; without error p is 0 or 1."""
+    """Test a difference by two one-sided tests; p is 0 or 1 if the error is 0.
+
+    `difference` and `error` are in multiples of `unit`.
+    """
     half, t_low, t_high = 0.0, np.inf, -np.inf
     p = float(abs(difference) >= bound / unit)
     if error > 0:
@@ -304,7 +311,8 @@ def two_one_sided(
 
 
 Analysis = Callable[[pd.DataFrame, Sequence[str]], pd.DataFrame]
-"""From a table and its factors within participants to effects, in the columns of `repeated_measures`."""
+"""Function that returns effects, in the columns of `repeated_measures`, of a table and its within-participant
+factors."""
 KEPT = ("F", "ddof1", "ddof2", "eps_CM", "p_CM_corr", "np2", "np2_low", "np2_high", "ng2")
 
 
@@ -313,8 +321,8 @@ def simple_effects(
 ) -> pd.DataFrame:
     """Test `factor` at each value of `by`, averaged over the other `factors`.
 
-    Each test uses the values there alone (Keppel and Wickens 2004, Design and Analysis, chapter 18). `p_corr` is Holm's
-    over the values of `by`; without a result `note` states the reason.
+    Each test uses only the values at that level of `by` (Keppel and Wickens 2004, Design and Analysis, chapter 18).
+    `p_corr` is corrected by Holm over the values of `by`. `note` is the reason if there is no result.
 
     >>> from tactometry.analysis.anova.within_subjects import repeated_measures
     >>> values = [3.0, 4, 5, 9, 2, 5, 4, 9, 4, 4, 6, 9, 1, 3, 2, 8]
@@ -341,7 +349,7 @@ def simple_effects(
 
 
 def interaction_orders(effects: pd.DataFrame, factors: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the pairs of factors with an interaction below 5 %, each in both orders.
+    """Return pairs of factors with a significant interaction, in both orders.
 
     >>> effects = pd.DataFrame({"Source": ["a", "b", "a * b"], "p_CM_corr": [0.5, 0.2, 0.01]})
     >>> interaction_orders(effects, ["a", "b"])

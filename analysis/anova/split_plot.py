@@ -1,7 +1,9 @@
-"""Mixed analysis of variance: one factor between participants, one to three within; comparisons of groups.
+"""Mixed analysis of variance and comparisons of groups.
 
-Type III sums of squares of the contrasts by statsmodels, so that group means have equal weight. pingouin takes one
-factor within, and with groups of unequal size tests weighted means.
+Designs have one factor between and one to three factors within participants.
+
+statsmodels computes type III sums of squares of the contrasts, so that group means have equal weight. pingouin supports
+one factor within participants only, and tests weighted means if groups differ in size.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,9 +35,11 @@ def mixed_anova(
     subject: str,
     interval: float = INTERVAL,
 ) -> pd.DataFrame:
-    """Compute a mixed analysis of variance; columns as those of `repeated_measures`, without Mauchly's test.
+    """Compute a mixed analysis of variance.
 
-    The epsilons are those of the covariance pooled within groups, for effects within and their interactions.
+    The columns are those of `repeated_measures`, without Mauchly's test.
+
+    Effects within participants and their interactions have epsilons from the covariance pooled within groups.
 
     Raises
     ------
@@ -59,14 +63,14 @@ def mixed_anova(
     tested = [replace(of_groups, name=between)]
     for effect in effects(scaled):
         tested += _tests(effect.name, effect.scores, groups, between)
-    # An effect within and its interaction share their error.
+    # An effect within participants and its interaction with the group share an error.
     residual = tested[0].ss_error + sum(within_effect.ss_error for within_effect in tested[1::2])
     return with_notes(effect_table(tested, residual, scale, interval), design, "statsmodels", tested)
 
 
 @dataclass(frozen=True)
 class Groups:
-    """Place of each participant's group, and sizes and names of the groups."""
+    """Index of each participant's group, with sizes and names of groups."""
 
     of: Indices
     sizes: Array
@@ -83,7 +87,7 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
     """
     n_groups = rows.groupby(subject, observed=True)[between].nunique(dropna=False)
     found = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"
-    expect((n_groups == 1).all(), between, found, "one; name it as a factor within")
+    expect((n_groups == 1).all(), between, found, "one group; declare it as a within-participants factor")
     group_of = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
     of, names = pd.factorize(np.array([group_of[code] for code in participants]), sort=True)
     sizes = np.bincount(of)
@@ -94,12 +98,12 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
 def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
     refuse_one(between, len(sizes), "group")
     smallest = min(sizes, key=lambda name: sizes[name])
-    is_enough, expected = sizes[smallest] >= MIN_GROUP, f"at least {MIN_GROUP} a group"
+    is_enough, expected = sizes[smallest] >= MIN_GROUP, f"at least {MIN_GROUP} in each group"
     expect_defined(is_enough, DesignStatus.SMALL_GROUP, f"{between} = {smallest}", "one participant", expected)
 
 
 def _tests(name: str, scores: Array, groups: Groups, between: str) -> tuple[EffectTest, EffectTest]:
-    """Test the mean scores (participant, contrast), with equal weight of groups, and their interaction with groups."""
+    """Test mean scores with equal group weights, and their interaction."""
     from statsmodels.formula.api import ols  # slow to load
     from statsmodels.stats.anova import anova_lm
 
@@ -128,15 +132,16 @@ def group_pairs(
     correction: str = "holm",
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Compare all groups by Welch's t-tests, at each level of `by` if given, with one correction for all.
+    """Compare all pairs of groups by Welch's t-tests, with a correction.
 
-    Values of one participant (at a level of `by`) are averaged.
+    If `by` is set, groups are compared at each of its levels. Values of one participant (at a level of `by`) are
+    averaged.
 
     Returns
     -------
     DataFrame
         `a`, `b`, `difference` (b minus a) with intervals as in `pairs`, `n_a`, `n_b`, `t`, `df`, `p_unc`, `p_corr`,
-        Hedges' `g`, `bf10` from Student's t, and a `status`: `ok`, or `zero_error` without variance within groups.
+        Hedges' `g`, `bf10` from Student's t, and a `status`: `ok`, or `zero_error` if values do not vary within groups.
 
     Raises
     ------

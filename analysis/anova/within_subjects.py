@@ -1,7 +1,7 @@
-"""Repeated-measures analysis of variance by pingouin (one or two factors) and statsmodels (three).
+"""Repeated-measures ANOVA by pingouin and statsmodels.
 
-Added to their tables: the corrections of Huynh and Feldt and of Chi and Muller, partial eta squared, and intervals of
-effect sizes by the noncentral F distribution.
+This module adds the Huynh-Feldt and Chi-Muller corrections, partial eta squared, and intervals of effect sizes from the
+noncentral F distribution.
 """
 
 import warnings
@@ -21,12 +21,12 @@ from .contrasts import MOST_EXACT, ContrastEffect, effects, epsilons, participan
 from .design import DesignStatus, WithinDesign, spread, within_design
 
 INTERVAL = 0.90
-"""An interval of this width excludes 0 exactly where the test is significant at 5 % (Steiger 2004)."""
+"""An interval with this coverage excludes 0 exactly if the test is significant at 5 % (Steiger 2004)."""
 ALPHA = 0.05
 LARGEST = 1e7
 MANY_SD = 3.0
 MAX_SHAPIRO = 5000
-"""Above this number of values, the p of Shapiro and Wilk is inaccurate."""
+"""Largest number of values for which the p of the Shapiro-Wilk test is accurate."""
 SIZES = ("np2", "np2_low", "np2_high", "ng2", "ng2_low", "ng2_high")
 """Columns of partial and generalised eta squared, each with its interval."""
 MISSING = (np.nan, np.nan)
@@ -40,7 +40,7 @@ def repeated_measures(
     Parameters
     ----------
     table : DataFrame
-        Long form; several values of one participant in one cell are averaged, which `attrs["notes"]` states.
+        Long form. Several values of a participant in one cell are averaged, with a note in `attrs["notes"]`.
     dependent, subject : str
         Columns of the values and of the participants.
     within : str or sequence of str
@@ -52,20 +52,20 @@ def repeated_measures(
     -------
     DataFrame
         Pingouin's columns, Huynh-Feldt and Chi-Muller epsilon and p (`eps_HF`, `p_HF_corr`, `eps_CM`, `p_CM_corr`),
-        and eta squared with intervals (`SIZES`) of the Chi-Muller test, which is the one to report. `attrs` has
-        `notes`, `n` participants, `status` (`DesignStatus`) and the `library` of F.
+        and eta squared with intervals (`SIZES`) for the Chi-Muller test. Report the Chi-Muller test. `attrs` has
+        `notes`, `n` participants, `status` (`DesignStatus`) and `library`, which computed F.
 
     Raises
     ------
     InvalidParameter
-        For a missing column; as `UndefinedStatistic` for values that are not finite, missing cells, fewer than three
-        participants or two levels, and data without variance.
+        For a missing column. `UndefinedStatistic` is raised for values that are not finite, missing cells, fewer than
+        three participants, fewer than two levels, or data without variance.
 
     Notes
     -----
-    Chi and Muller's correction keeps 5 % of false alarms best (docs/reference/analysis.md). With fewer participants
-    than contrasts the error matrix is singular: Mauchly's test does not exist, the corrections are valid. An effect
-    that is the same in all participants has no F, and a note.
+    The Chi-Muller correction keeps the false-positive rate closest to 5 % (docs/reference/analysis.md). With fewer
+    participants than contrasts the error matrix is singular: Mauchly's test is undefined, but the corrections are
+    valid. An effect that is the same in all participants has no F; a note states this.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -93,15 +93,15 @@ def permutation_test(
     rng: np.random.Generator | None = None,
     n_resamples: int = 9_999,
 ) -> pd.DataFrame:
-    """Test each effect by changing the signs of participants' contrasts.
+    """Test each effect by sign changes of the participants' contrasts.
 
-    It needs symmetric errors, but neither sphericity nor more participants than contrasts. Up to 14 participants the
-    test is exact; with more, `rng` draws `n_resamples` changes.
+    The test assumes symmetric errors. It needs neither sphericity nor more participants than contrasts. It is exact up
+    to 14 participants; with more, `rng` draws `n_resamples` sign changes.
 
     Raises
     ------
     InvalidParameter
-        As `repeated_measures`; and without an `rng` that is needed.
+        As `repeated_measures`; also if `rng` is needed but missing.
 
     >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [0.5, 1] * 4, "y": [1.0, 2, 2, 4, 3, 6, 2, 6]})
     >>> permutation_test(table, dependent="y", within="force_n", subject="who")["p_permutation"].tolist()
@@ -119,9 +119,9 @@ def permutation_test(
 
 @dataclass(frozen=True)
 class EffectTest:
-    """F of an effect with Greenhouse-Geisser, Huynh-Feldt and Chi-Muller epsilons, and Mauchly's W and p.
+    """F of an effect with its epsilons, and Mauchly's W and p.
 
-    Without error (`ss_error` of 0) all participants differ alike, and F is undefined.
+    If `ss_error` is 0, the effect is the same in all participants and F is undefined.
     """
 
     name: str
@@ -132,12 +132,12 @@ class EffectTest:
     mauchly: tuple[float, float] = MISSING
 
     def p(self, epsilon: float = 1.0) -> float:
-        """Return p with both degrees of freedom multiplied by epsilon."""
+        """Return the p after both degrees of freedom are multiplied by epsilon."""
         return float(Fisher.sf(self.f, epsilon * self.df[0], epsilon * self.df[1]))
 
 
 def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, float]:
-    """Centre and scale the values, so that neither offset nor unit costs digits; return the scale as well."""
+    """Standardise the values for precision; return the scale as well."""
     scale = spread(design.cells, dependent)
     unit = size_of(design.values)
     values: Array = design.values / unit
@@ -146,13 +146,13 @@ def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, f
 
 
 def _tested(design: WithinDesign, found: Sequence[ContrastEffect]) -> tuple[list[EffectTest], str]:
-    """Return F and Mauchly's test of each effect, and the library that computed F."""
+    """Return F and Mauchly's test of each effect, and the library used."""
     factors = [f"factor_{place}" for place in range(len(design.factors))]
     places = product(*(range(n) for n in design.values.shape))
     long = pd.DataFrame(places, columns=["participant", *factors]).assign(y=design.values.ravel())
     library = "statsmodels" if len(factors) > 2 else "pingouin"
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")  # notes state effects without error and singular matrices
+        warnings.simplefilter("ignore")  # notes report effects without error and singular matrices
         rows = _by_statsmodels(long, factors, found) if len(factors) > 2 else _by_pingouin(long, factors)
 
     tested = []
@@ -179,24 +179,24 @@ def _by_statsmodels(long: pd.DataFrame, factors: list[str], found: Sequence[Cont
     from statsmodels.stats.anova import AnovaRM
 
     f = AnovaRM(long, "y", "participant", within=factors).fit().anova_table["F Value"]
-    # One factor with the same contrasts: pingouin tests no interaction of three factors.
+    # Cells as one factor with the same contrasts: pingouin does not test interactions of three factors.
     of_one = [pd.DataFrame(effect.scores @ helmert(effect.df[0] + 1)) for effect in found]
     mauchly = [pingouin.sphericity(table) for table in of_one]
     return [(float(f_value), float(test[1]), float(test[4])) for f_value, test in zip(f, mauchly, strict=True)]
 
 
 def effect_table(tested: Sequence[EffectTest], residual: float, scale: float, interval: float) -> pd.DataFrame:
-    """Return a row for each effect.
+    """Return the table of effects, one row each.
 
-    `residual` is the sum of squares of participants and all errors, `scale` the unit of the values.
+    `residual` is the sum of squares of participants plus all errors, `scale` the unit of the values.
     """
     rows = [_effect_row(effect, residual, interval) for effect in tested]
-    if len(tested) == 1:  # pingouin has a row of the error for one factor alone
+    if len(tested) == 1:  # pingouin has an error row only for designs with one factor
         ss, df = tested[0].ss_error, tested[0].df[1]
         first = {"Source": rows[0]["Source"], "SS": rows[0]["SS"], "DF": tested[0].df[0]}
         rows = [first | rows[0], {"Source": "Error", "SS": ss, "DF": df, "MS": ss / df}]
     result = pd.DataFrame(rows)
-    with np.errstate(over="ignore"):  # squares of values near the largest float are infinite, F is right
+    with np.errstate(over="ignore"):  # squares of very large values overflow, but F is correct
         return result.assign(SS=result["SS"] * scale * scale, MS=result["MS"] * scale * scale)
 
 
@@ -205,7 +205,7 @@ def _effect_row(effect: EffectTest, residual: float, interval: float) -> dict[st
     greenhouse_geisser, huynh_feldt, chi_muller = effect.epsilons
     w, mauchly_p = effect.mauchly
     is_spherical: bool | None = None if np.isnan(mauchly_p) else mauchly_p > ALPHA
-    if first == 1:  # a single contrast is always spherical
+    if first == 1:  # a single contrast is spherical by definition
         is_spherical, mauchly_p = True, 1.0
     ms = effect.f * effect.ss_error / second
     size = dict.fromkeys(SIZES, np.nan)
@@ -240,8 +240,8 @@ def with_notes(
     tested: Sequence[EffectTest],
     singular: Sequence[str] = (),
 ) -> pd.DataFrame:
-    """Add notes, number of participants, status and library to the table's `attrs`."""
-    reason = "found the same differences in all participants: the error is 0 and F is undefined"
+    """Add notes, n, status and library to the table's `attrs`."""
+    reason = "found the same differences in all participants, so the error is 0 and F is undefined"
     exact = [f"{effect.name}: {reason}" for effect in tested if effect.ss_error == 0]
     status = DesignStatus.SINGULAR if singular else DesignStatus.OK
     notes = [*design.notes, *singular, *exact]
@@ -250,25 +250,26 @@ def with_notes(
 
 
 def singular_note(effect: ContrastEffect, n: int) -> str:
-    """State why an effect has no test of sphericity, and what is still valid."""
+    """Explain why an effect has no test of sphericity."""
     p = effect.df[0]
-    cause = f"its {p} contrasts are exactly dependent in these {n} participants"
+    cause = f"its {p} contrasts are linearly dependent in these {n} participants"
     if p > n - 1:
         cause = f"{p} contrasts need at least {p + 1} complete participants, found {n}"
     return (
-        f"{effect.name}: the error matrix is singular ({cause}), so Mauchly's test and multivariate tests do not "
-        "exist; the corrected F and the permutation test are not affected"
+        f"{effect.name}: the error matrix is singular ({cause}), so Mauchly's test and multivariate tests are "
+        "undefined. The corrected F and the permutation test are not affected"
     )
 
 
 def eta_squared(
     ss: float, ss_error: float, ss_residual: float, df: tuple[float, float], interval: float = INTERVAL
 ) -> dict[str, float]:
-    """Return partial and generalised eta squared with their intervals (`SIZES`).
+    """Return partial and generalised eta squared with intervals.
 
-    Partial: SS / (SS + SS error); generalised: SS / (SS + residual), with participants and all errors (Bakeman 2005).
-    The interval is that of the noncentrality l of F, as l / (l + df1 + df2 + 1) (Steiger 2004, Psychol. Methods 9,
-    164, eq. 21), with degrees of freedom `df` that are corrected if the test is.
+    Partial: SS / (SS + SS error). Generalised: SS / (SS + residual), where the residual contains participants and all
+    errors (Bakeman 2005). Intervals transform the interval of the noncentrality l of F by l / (l + df1 + df2 + 1)
+    (Steiger 2004, Psychol. Methods 9, 164, eq. 21). `df` are the degrees of freedom of the test, corrected if the test
+    is corrected.
 
     >>> found = eta_squared(10.0, 10.0, 40.0, (2.0, 18.0))
     >>> [round(x, 3) for x in found.values()]
@@ -283,7 +284,7 @@ def eta_squared(
 
 
 def noncentrality(f: float, df: tuple[float, float], interval: float) -> tuple[float, float]:
-    """Return the noncentralities at which F lies at either end of an interval of its distribution."""
+    """Return the interval of the noncentrality of F."""
     tail = (1 - interval) / 2
     return _noncentrality_at(f, df, 1 - tail), _noncentrality_at(f, df, tail)
 
@@ -294,9 +295,9 @@ def _noncentrality_at(f: float, df: tuple[float, float], probability: float) -> 
     def above(x: float) -> float:
         return float(ncfdtr(*df, x, f)) - probability
 
-    if above(0.0) <= 0:  # F is small even for no effect
+    if above(0.0) <= 0:  # F is small even without an effect
         return 0.0
-    top = 2 * (f * df[0] + sum(df))  # beyond what F estimates; doubled until it encloses the root
+    top = 2 * (f * df[0] + sum(df))  # start above the estimate and double until the root is enclosed
     while above(top) > 0 and top < LARGEST:
         top *= 2
     return float(brentq(above, 0.0, top, xtol=1e-9, rtol=1e-12)) if above(top) < 0 else top
@@ -305,7 +306,7 @@ def _noncentrality_at(f: float, df: tuple[float, float], probability: float) -> 
 def checks(
     table: pd.DataFrame, anova: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str
 ) -> pd.DataFrame:
-    """Check the assumptions of an analysis: normal residuals, sphericity of each effect, no outliers.
+    """Check the assumptions of an ANOVA: normality, sphericity and outliers.
 
     Parameters
     ----------
@@ -317,7 +318,7 @@ def checks(
     Returns
     -------
     DataFrame
-        `check, statistic, p, holds` (None: cannot be tested) and `text`, a sentence.
+        `check`, `statistic`, `p`, `holds` (None if it cannot be tested) and `text`, which describes the result.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 6]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -338,7 +339,7 @@ def _normality(residuals: Array) -> dict[str, object]:
 
     w, p = MISSING
     if residuals.size <= MAX_SHAPIRO:
-        # W has no unit, its sums of squares have.
+        # Standardised: W does not depend on the unit, but its sums of squares may overflow.
         w, p = pingouin.normality(residuals.ravel() / residuals.std())[["W", "pval"]].astype(float).iloc[0]
     return _check("normality of the residuals", "Shapiro-Wilk W", w, p, "too many values")
 

@@ -1,4 +1,4 @@
-"""Semantic differentials: scores, consistency, patterns of the thesis."""
+"""Semantic differentials: scores, consistency, comparisons of patterns."""
 
 from typing import TYPE_CHECKING
 

@@ -1,6 +1,8 @@
-"""Comparisons of the thesis's patterns (figures 5.9 to 5.13): frequency by envelope, and each with the single focus.
+"""Comparisons of the thesis's patterns (figures 5.9 to 5.13).
 
-P0 has neither repetition frequency nor envelope: the crossed analysis leaves it out.
+Patterns are compared by repetition frequency and envelope, and each with the single focus.
+
+P0 has neither repetition frequency nor envelope, so the factorial analysis omits it.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -24,7 +26,7 @@ THESIS: Mapping[str, tuple[str, str]] = {
     "P5": ("high", "exponential"),
     "P6": ("high", "sinc"),
 }
-"""Repetition frequency and envelope of each pattern; an unverified inference from the names of figures."""
+"""Repetition frequency and envelope of each pattern (unverified, inferred from figure names)."""
 
 BY = ("frequency", "envelope")
 
@@ -32,9 +34,9 @@ BY = ("frequency", "envelope")
 def grouped_profile(
     profile: pd.DataFrame, *, design: Mapping[str, tuple[str, str]] = THESIS, reference: str = "P0"
 ) -> pd.DataFrame:
-    """Return the mean of each word pair by repetition frequency and by envelope, with that of the reference.
+    """Return word-pair means by frequency, by envelope and of the reference.
 
-    Columns as those of `profile` (`word_pairs`); `of` is ``frequency`` or ``envelope``.
+    The columns are those of `word_pairs`, plus `of`: ``frequency`` or ``envelope``.
     """
     words = ["item", "dimension", "negative", "positive"]
     grouped = []
@@ -50,10 +52,10 @@ def grouped_profile(
 def frequency_by_envelope(
     scored: pd.DataFrame, *, design: Mapping[str, tuple[object, object]] = THESIS, pattern: str = "pattern"
 ) -> pd.DataFrame:
-    """Analyse frequency by envelope in each dimension of `scores`, by repeated-measures analysis of variance.
+    """Compute a frequency by envelope ANOVA of each dimension of `scores`.
 
-    Patterns outside of `design` and participants without a score (`left_out`) are omitted. A dimension without a result
-    has a row with the reason in `note`.
+    Patterns that are not in `design` and participants without a score (`left_out`) are omitted. A dimension without a
+    result has one row, with the reason in `note`.
 
     Raises
     ------
@@ -80,13 +82,13 @@ def _of_dimensions(
     test: Callable[[pd.DataFrame, str], pd.DataFrame],
     untested: Mapping[str, str],
 ) -> pd.DataFrame:
-    """Test each dimension with the participants who have a score in every pattern."""
+    """Test each dimension with the participants who rated every pattern."""
     tables = []
     for dimension in dimensions:
         whole, left_out = complete_participants(scored, dimension, pattern)
         try:
             table = test(whole, dimension)
-        except UndefinedStatistic as refusal:  # the other dimensions still have their answers
+        except UndefinedStatistic as refusal:  # the other dimensions can still be tested
             table = pd.DataFrame([{**untested, "note": str(refusal)}])
         table.insert(0, "dimension", dimension)
         tables.append(table.assign(left_out=", ".join(left_out)))
@@ -94,19 +96,19 @@ def _of_dimensions(
 
 
 def complete_participants(table: pd.DataFrame, dependent: str, condition: str) -> tuple[pd.DataFrame, list[str]]:
-    """Return the rows of participants with a value in every condition, and the names of the others."""
+    """Return participants with all values, and the codes of the others."""
     known = table[table[dependent].notna()]
     n_conditions = known.groupby("participant")[condition].nunique()
-    # All conditions count, also those without any known value.
+    # Conditions without any known value count too.
     whole = n_conditions.index[n_conditions == table[condition].nunique()]
     left_out = sorted(set(table["participant"]) - set(whole))
     return known[known["participant"].isin(whole)], [str(code) for code in left_out]
 
 
 def against_reference(scored: pd.DataFrame, *, reference: str = "P0", pattern: str = "pattern") -> pd.DataFrame:
-    """Compare every pattern with the reference by paired t-tests, Holm-corrected within each dimension.
+    """Compare each pattern with the reference by Holm-corrected t-tests.
 
-    Columns as those of `pairs`, with `dimension`, `left_out` and `note`.
+    The columns are those of `pairs`, plus `dimension`, `left_out` and `note`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Scores, consistency, word pairs and portfolio of AttrakDiff and other questionnaires."""
+"""Scores, consistency, word pairs and portfolio of questionnaires."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -22,7 +22,7 @@ REGIONS = (
     ("task-oriented", "neutral", "self-oriented"),
     ("too task-oriented", "task-oriented", "desired"),
 )
-"""Regions of the portfolio by pragmatic (row) and hedonic quality (column), split at -1 and +1."""
+"""Regions of the portfolio by pragmatic quality (row) and hedonic quality (column), with limits at -1 and +1."""
 
 
 def scores(
@@ -33,12 +33,12 @@ def scores(
     Parameters
     ----------
     table : DataFrame
-        A row per answer: `participant`, `item` and `response` (empty: unanswered). Several answers to one item in one
+        One row per answer: `participant`, `item` and `response` (empty if unanswered). Several answers to an item in a
         condition are averaged.
     questionnaire : str or Questionnaire
-        By default the one that the column `procedure` names, or AttrakDiff.
+        By default the questionnaire named in the column `procedure`, or AttrakDiff.
     within : sequence of str
-        Columns of conditions; by default those between `trial` and `procedure`, or all other columns.
+        Columns of conditions. By default the columns between `trial` and `procedure`, or else all other columns.
 
     Returns
     -------
@@ -58,10 +58,10 @@ def scores(
     """
     answers, form, factors = _answers(table, questionnaire, within)
     keys = ["participant", *factors]
-    # The second answer to an item in a condition is in the second round.
+    # The n-th answer to an item in a condition belongs to round n.
     number = answers.groupby([*keys, "item"], observed=True, dropna=False).cumcount()
     answers = answers.assign(round=number, raw=answers["raw"].astype(object).where(answers["raw"].notna(), None))
-    # Answers outside of the conditions have no level and come last.
+    # Answers given outside the conditions have no level and are sorted last.
     groups = answers.groupby(keys, sort=True, observed=True, dropna=False)
     rows = [dict(zip(keys, key, strict=True)) | _mean_scores(given, form) for key, given in groups]
     return _with_origin(pd.DataFrame(rows), form, factors)
@@ -70,7 +70,7 @@ def scores(
 def item_scores(
     table: pd.DataFrame, *, questionnaire: str | Questionnaire = "", within: Sequence[str] | None = None
 ) -> pd.DataFrame:
-    """Return the score of each answered item with its `dimension`."""
+    """Return the score and `dimension` of each answered item."""
     answers, form, factors = _answers(table, questionnaire, within)
     given = answers.dropna(subset="raw")
     scored = [form.score(item, raw) for item, raw in zip(given["item"], given["raw"], strict=True)]
@@ -104,7 +104,7 @@ def _form(table: pd.DataFrame, questionnaire: str | Questionnaire) -> Questionna
     if questionnaire:
         return load(questionnaire)
     named = sorted(set(table["procedure"]) & set(shipped_names())) if "procedure" in table.columns else []
-    expect(len(named) <= 1, "procedure", ", ".join(named), "one questionnaire; score them apart")
+    expect(len(named) <= 1, "procedure", ", ".join(named), "one questionnaire; score each separately")
     return load(named[0] if named else NAME)
 
 
@@ -120,7 +120,7 @@ def _raw_values(table: pd.DataFrame, form: Questionnaire) -> "pd.Series[float]":
     raw = pd.to_numeric(text.where(text != "", np.nan), errors="coerce")
     is_off_scale = raw.notna() & ~raw.map(form.takes)
     is_word = raw.isna() & (text != "")
-    # The first of them is named.
+    # the error names the first one
     for place in np.flatnonzero(~table["item"].isin(known) | is_word | is_off_scale):
         item = table["item"][place]
         row = table["row"][place] if "row" in table.columns else place
@@ -133,7 +133,7 @@ def _raw_values(table: pd.DataFrame, form: Questionnaire) -> "pd.Series[float]":
 
 
 def _mean_scores(answers: pd.DataFrame, form: Questionnaire) -> dict[str, float | None]:
-    """Return the mean scores of all rounds of answers."""
+    """Return the scores averaged over all rounds of answers."""
     rounds: list[dict[str, float | None]] = [{} for _ in range(answers["round"].max() + 1)]
     for number, item, raw in zip(answers["round"], answers["item"], answers["raw"], strict=True):
         rounds[number][item] = raw
@@ -143,7 +143,7 @@ def _mean_scores(answers: pd.DataFrame, form: Questionnaire) -> dict[str, float 
 
 
 def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Return mean, intervals, SD, n and number of missing scores of each condition and dimension of `scores`."""
+    """Summarise `scores` by condition and dimension."""
     factors = list(scored.attrs["within"])
     names = sorted(dimensions_of(scored))
     of_dimensions = [
@@ -155,7 +155,7 @@ def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
 
 
 def _by_factors(table: pd.DataFrame, factors: list[str]) -> pd.DataFrame:
-    """Sort by the conditions, and keep the order within each."""
+    """Sort rows by condition, keeping their order within each condition."""
     return table.sort_values(factors, kind="stable").reset_index(drop=True) if factors else table
 
 
@@ -164,7 +164,7 @@ def dimensions_of(scored: pd.DataFrame) -> list[str]:
 
 
 def _possible(scored: pd.DataFrame) -> Range:
-    """Return the range of the scores of a questionnaire and its items."""
+    """Return the possible range of scores and items of a questionnaire."""
     form = scored.attrs["questionnaire"]
     return Range(*sorted((form.score_low, form.score_high)))
 
@@ -176,10 +176,10 @@ def _mean(values: "pd.Series[float]", interval: float, possible: Range) -> dict[
 
 
 def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float = 0.95) -> pd.DataFrame:
-    """Return the profile: the mean of each item with its word pair.
+    """Return the profile: the mean of each item, with its word pair.
 
-    Each condition and item has the mean over participants with its t-interval and its negative and positive word, in
-    the order of the dimensions. `scored_items` is the result of `item_scores`.
+    Each row is one item in one condition: the mean over participants, its t-interval, and the negative and positive
+    word. Items are in the order of the dimensions. `scored_items` is the result of `item_scores`.
     """
     form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     simple = [name for name, dimension in form.dimensions.items() if not dimension.parts]
@@ -192,12 +192,12 @@ def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float
         return words | _mean(answers["score"], interval, _possible(scored_items))
 
     profile = by_condition(scored_items, [*factors, "item"], row_of)
-    # Sorted twice, stably: by the questionnaire's order, then by conditions.
+    # Two stable sorts: first by the questionnaire's order, then by condition.
     return _by_factors(profile.sort_values("item", key=lambda ids: ids.map(order), kind="stable"), factors)
 
 
 def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Return the means of PQ and HQ of each condition with t-intervals, and the `region` of the portfolio.
+    """Return the means of PQ and HQ by condition, and the portfolio `region`.
 
     Raises
     ------
@@ -216,7 +216,7 @@ def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
 
 
 def region(pq: float | None, hq: float | None) -> str | None:
-    """Return the region of the portfolio.
+    """Return the portfolio region of a pair of means.
 
     >>> region(2.0, 2.0), region(0.0, 0.0), region(2.0, -2.0), region(-2.0, 2.0), region(-2.0, -2.0)
     ('desired', 'neutral', 'too task-oriented', 'too self-oriented', 'superfluous')
@@ -228,9 +228,10 @@ def region(pq: float | None, hq: float | None) -> str | None:
 
 
 def consistency(scored_items: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Return Cronbach's alpha (pingouin) of each dimension in each condition, with its interval (Feldt 1965).
+    """Return Cronbach's alpha by dimension and condition, with intervals.
 
-    It uses participants who answered all items; with fewer than three or without variance it is empty, with a `note`.
+    pingouin computes alpha from participants who answered all items. With fewer than three of them or without variance,
+    alpha is empty and `note` gives the reason.
     """
     form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     rows = []
@@ -248,8 +249,8 @@ def _alpha(wide: pd.DataFrame, interval: float) -> dict[str, object]:
     values = wide.dropna().astype(float)
     alpha, low, high, note = None, None, None, ""
     if wide.shape[1] < 2 or len(values) < 3:
-        note = "fewer than two items or three participants who answered them all"
-    elif values.sum(axis=1).var() <= 1e-12:  # rounding
+        note = "fewer than two items, or fewer than three participants who answered all items"
+    elif values.sum(axis=1).var() <= 1e-12:  # rounding error
         note = "participants do not differ in this score"
     else:
         alpha, (low, high) = pingouin.cronbach_alpha(values, ci=interval)

@@ -1,4 +1,4 @@
-"""Figures of a semantic differential: scores, word pairs, portfolio, frequency by envelope."""
+"""Figures of semantic differentials."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_STEPS = 10
-"""A longer scale has a tick at each fifth of it."""
+"""A longer scale has ticks at every fifth of its range."""
 SPREAD = 0.09
-"""Distance of series at one place, in steps of the axis."""
+"""Distance between series at the same position, in steps of the axis."""
 CENTRES = (-2.0, 0.0, 2.0)
 FINE = {"capsize": 2, "elinewidth": 0.9}
 
@@ -23,7 +23,7 @@ FINE = {"capsize": 2, "elinewidth": 0.9}
 def scores_figure(
     summary: pd.DataFrame, names: Sequence[str], order: Sequence[str], low: float, high: float
 ) -> Drawing:
-    """Draw the mean of each dimension in `summary` with intervals, a series for each condition in `names`."""
+    """Draw means and intervals by dimension, a series per condition."""
     with new_figure(6.6, 3.4) as figure:
         axes = figure.add_subplot()
         for n, name in enumerate(names):
@@ -46,12 +46,12 @@ def _scale(axes: "Axes", low: float, high: float) -> None:
 
 
 def _score_label(low: float) -> str:
-    # The sign has a meaning in semantic differentials only.
+    # The sign is meaningful only in semantic differentials.
     return "Score (positive: good)" if low < 0 else "Score"
 
 
 def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high: float) -> Drawing:
-    """Draw the means of the word pairs in `profile`, a line for each condition, negative words at the left."""
+    """Draw means of word pairs, with negative words on the left."""
     words = profile.drop_duplicates("item")
     y = np.arange(len(words))
     with new_figure(6.6, 0.21 * len(words) + 1.0) as figure:
@@ -77,7 +77,7 @@ def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high
 
 
 def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
-    """Draw pragmatic against hedonic quality: the mean of each condition in its confidence rectangle."""
+    """Draw pragmatic against hedonic quality, with confidence rectangles."""
     from matplotlib.patches import Rectangle
 
     with new_figure(5.4, 4.6) as figure:
@@ -93,7 +93,7 @@ def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
             axes.plot([row["PQ"]], [row["HQ"]], linestyle="none", label=row["condition"], **style)
         axes.set(xlim=(-3, 3), ylim=(-3, 3), xlabel="Pragmatic quality PQ", ylabel="Hedonic quality HQ")
         axes.set_aspect("equal")
-        axes.set_anchor("W")  # centred, the label would leave the page
+        axes.set_anchor("W")  # a centred label would extend beyond the figure
         figure.legend(loc="outside right center")
         return drawing_of(figure)
 
@@ -116,9 +116,9 @@ def crossed_figure(
     reference: str,
     limits: tuple[float, float],
 ) -> Drawing:
-    """Draw envelope along x, a line for each frequency, a panel for each dimension, the reference as a line.
+    """Draw means against envelope: a line per frequency.
 
-    `design` maps a condition to frequency and envelope.
+    The reference is a horizontal line. `design` maps a condition to frequency and envelope.
     """
     envelopes = list(dict.fromkeys(envelope for _, envelope in design.values()))
     with new_figure(1.75 * len(order) + 0.9, 3.2) as figure:

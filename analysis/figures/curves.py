@@ -1,6 +1,6 @@
-"""Figure of a participant: a panel with rates and fitted curve for each condition.
+"""Figure of one participant: rates and fitted curve per condition.
 
-All panels share one pair of axes in inches, as a pair for each would take ten times as long.
+All panels are drawn in one matplotlib axes in inches, as an axes per panel would take ten times as long.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MAX_PANELS = 36
 """Largest number of conditions in a figure."""
 RATES = (-0.12, 1.05)
-"""Range of a panel: rates, and below 0 the threshold with its interval."""
+"""Vertical range of a panel; the threshold with its interval is drawn below 0."""
 BAR = -0.06
 TICKS = (0.0, 0.5, 1.0)
 MOST_TICKS = 3
@@ -35,7 +35,7 @@ TICK_IN = 2 * POINT_IN
 
 @dataclass(frozen=True)
 class Panel:
-    """An estimate with its lower left corner, width and height in inches, and the range of its levels."""
+    """Panel of an estimate: position and size in inches, range of levels."""
 
     estimate: Estimate
     left: float
@@ -62,7 +62,7 @@ class Panel:
 
     @cached_property
     def ticks(self) -> list[float]:
-        """Round levels on the axis."""
+        """Round levels at which the axis has ticks."""
         from matplotlib.ticker import MaxNLocator
 
         steps = MaxNLocator(MOST_TICKS, steps=[1, 2, 2.5, 5, 10]).tick_values(self.low, self.high)
@@ -70,7 +70,7 @@ class Panel:
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """Interval of the threshold; an unknown end is that of the axis."""
+        """Interval of the threshold; an unknown end is the end of the axis."""
         low, high = self.estimate.fit.interval_low, self.estimate.fit.interval_high
         if low is None and high is None:
             return None
@@ -78,7 +78,7 @@ class Panel:
 
 
 def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit: str) -> Drawing:
-    """Draw the rates of a participant with Wilson's intervals, fitted curves, and thresholds with intervals."""
+    """Draw a participant's rates, fitted curves and thresholds."""
     shown = list(estimates)[:MAX_PANELS]
     columns = min(7, len(shown)) if len(shown) > 8 else min(4, len(shown))
     rows = -(-len(shown) // columns)  # rounded up
@@ -102,7 +102,7 @@ def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit:
 def _panels(shown: Sequence[Estimate], rows: int, columns: int, width_in: float, height_in: float) -> Iterator[Panel]:
     levels = [x for estimate in shown for x in estimate.cell.levels] or [0.0, 1.0]
     low, high = min(levels), max(levels)
-    span = (low, high) if low < high else (low - 1, high + 1)  # one level has no range to draw
+    span = (low, high) if low < high else (low - 1, high + 1)  # a single level has no range
     left, bottom = 0.62, 0.45
     across, up = (0.99 * width_in - left) / columns, (0.98 * height_in - bottom) / rows
     for place, estimate in enumerate(shown):
@@ -159,7 +159,7 @@ def _draw_fits(axes: "Axes", panels: Sequence[Panel]) -> None:
 
 
 def _write(axes: "Axes", panel: Panel, factors: Sequence[str], *, is_left: bool, is_last: bool) -> None:
-    """Write title and status of a panel, and the numbers at its ticks if it is at the edge."""
+    """Write the title, status and outer tick labels of a panel."""
     left, bottom, top = panel.left, panel.bottom, panel.bottom + panel.height
     title = condition_name(factors, panel.estimate.cell.condition)
     axes.text(left + panel.width / 2, top + 2 * POINT_IN, title, fontsize=7, ha="center", va="baseline")

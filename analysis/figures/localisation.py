@@ -1,4 +1,4 @@
-"""Figures of localisation: right answers against the distance between places, and confusions."""
+"""Figures of localisation: rate correct by distance, and confusions."""
 
 from typing import TYPE_CHECKING
 
@@ -15,16 +15,16 @@ DISTANCE = "separation_m"
 DISTANCE_IN_MM = "distance_mm"
 MM = 1e3
 MOST_PANELS = 12
-"""More conditions are drawn together."""
+"""With more conditions, the answers of all conditions are pooled."""
 N_COLUMNS = 4
 BELOW = 0.06
-"""Distance of the bars of resolutions below the axis."""
+"""Distance between the bars of the resolutions below the axis."""
 DARK = 0.55
-"""A larger share is written in white."""
+"""Larger shares are written in white."""
 
 
 def distance_figure(rates: pd.DataFrame, resolutions: pd.DataFrame, chance: float) -> Drawing:
-    """Draw right answers against the distance between places (mm), and resolutions as bars below."""
+    """Draw the rate correct against distance (mm), with resolutions below."""
     keys = list(rates.columns[: rates.columns.get_loc(DISTANCE)])
     with new_figure(5.4, 3.4) as figure:
         axes = figure.add_subplot()
@@ -51,7 +51,7 @@ def _draw_resolution(axes: "Axes", row: "pd.Series[float]", height: float, colou
 
 
 def confusion_figure(confusions: pd.DataFrame) -> Drawing:
-    """Draw the share of each answer at each right place, a panel for each condition and distance."""
+    """Draw confusion matrices, a panel per condition and distance."""
     keys = list(confusions.columns[: confusions.columns.get_loc("right_place")])
     in_mm = confusions.assign(**{name: MM * confusions[name] for name in keys if name == DISTANCE})
     renamed = in_mm.rename(columns={DISTANCE: DISTANCE_IN_MM})
@@ -62,7 +62,7 @@ def confusion_figure(confusions: pd.DataFrame) -> Drawing:
         for axes, (name, panel) in zip(grid, panels, strict=True):
             _draw_matrix(axes, panel, places)
             axes.set_title(name, fontsize=8)
-        for axes in grid[-N_COLUMNS:]:  # the lowest panel of each column
+        for axes in grid[-N_COLUMNS:]:  # only the lowest panel of each column
             axes.tick_params(labelbottom=True)
         figure.supxlabel("Answered place", fontsize=9)
         figure.supylabel("Right place", fontsize=9)

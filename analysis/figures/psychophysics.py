@@ -1,4 +1,4 @@
-"""Figures of tracks, of means by condition, of rates and magnitudes against the level, and of losses."""
+"""Figures of tracks, means, rates and magnitudes by level, and losses."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 def track_figure(rows: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
-    """Draw the level against the trial of one participant's tracks, filled where the answer was yes or correct."""
+    """Draw tracks; filled markers are "yes" or correct answers."""
     axis = FactorAxis.of(rows, factors)
-    labels = "Trial of the track", with_unit("Level", unit)
+    labels = "Trial within the track", with_unit("Level", unit)
     return panels(rows, axis, partial(_draw_tracks, axis=axis), labels=labels, height_in=2.1, share_x=False)
 
 
@@ -36,14 +36,14 @@ def _draw_tracks(axes: "Axes", panel: pd.DataFrame, axis: FactorAxis) -> None:
 
 
 BESIDE = 0.4
-"""Position of the dots of participants, as part of the step to the next series."""
+"""Offset of the participants' dots, as a fraction of the step to the next series."""
 ROOM = 1.05
-"""Room above the highest value of an axis that begins at 0."""
+"""Upper margin of an axis that begins at 0."""
 MOST_INSIDE = 4
 """Largest number of series with the legend inside the axes."""
 OPEN = {"mfc": "none", "alpha": 0.8}
 RATES = (-0.03, 1.03)
-"""An axis of rates, with room for dots at 0 and 1."""
+"""Range of an axis of rates, with a margin for dots at 0 and 1."""
 
 
 def threshold_figure(
@@ -56,10 +56,10 @@ def threshold_figure(
     targets: Sequence[float] = (),
     from_zero: bool = False,
 ) -> Drawing:
-    """Draw means with intervals against the main factor, a line for each series.
+    """Draw means with intervals against the main factor, one line per series.
 
-    Participants are faint dots, open triangles where `individuals` have a bound, `targets` dashed lines. `from_zero`
-    lets the axis of values begin at 0.
+    Participants are faint dots, or open triangles if only a bound is known. `targets` are dashed lines. With
+    `from_zero` the axis of values begins at 0.
     """
     axis = FactorAxis.of(group, factors)
     with new_figure(6.6, 3.6) as figure:
@@ -83,7 +83,7 @@ def threshold_figure(
 
 
 def _legend(axes: "Axes", n: int, *, beside: bool = False) -> None:
-    """Add the legend of `n` series, inside of the axes if they are few."""
+    """Add a legend of `n` series, inside the axes if there are few."""
     if n > MOST_INSIDE or (n and beside):
         axes.get_figure().legend(loc="outside right center")  # type: ignore[union-attr]
     elif n:
@@ -106,13 +106,13 @@ def _draw_individuals(
 
 
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
-    """Draw rates against the level, a panel for each series, a line for each value of the main factor."""
+    """Draw rates against level: a panel per series."""
     labels = with_unit("Level", unit), CURVES[str(rates["task"].iloc[0])].rate_label
     return _level_figure(rates, factors, "rate", labels, 2.5, ylim=RATES)
 
 
 def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
-    """Draw geometric means of magnitudes against the level on logarithmic axes."""
+    """Draw geometric means of magnitudes against level on logarithmic axes."""
     labels = with_unit("Level", unit), "Magnitude (geometric mean)"
     of_levels = "linear" if unit.startswith("dB") else "log"
     return _level_figure(growth, factors, "geometric_mean", labels, 2.7, yscale="log", xscale=of_levels)
@@ -121,7 +121,7 @@ def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) ->
 def _level_figure(
     table: pd.DataFrame, factors: Sequence[str], column: str, labels: tuple[str, str], height_in: float, **scales: Any
 ) -> Drawing:
-    """Draw a column against the level; `scales` are limits and scales of the axes."""
+    """Draw a column against level; `scales` sets limits and scales of axes."""
     axis = FactorAxis.of(table, factors)
 
     def draw(axes: "Axes", panel: pd.DataFrame) -> None:
@@ -133,7 +133,7 @@ def _level_figure(
 
 
 def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
-    """Draw the mean rate over all levels against the main factor, a line for each series."""
+    """Draw the mean rate over all levels against the main factor."""
     axis = FactorAxis.of(rates, factors)
     with new_figure(6.6, 3.0) as figure:
         axes = figure.add_subplot()
@@ -147,7 +147,10 @@ def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
 
 
 def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
-    """Draw the mean loss (%) against the main factor, a panel for each level of the factor with fewest levels."""
+    """Draw the mean loss (%) against the main factor.
+
+    Each level of the factor with the fewest levels has a panel.
+    """
     axis = FactorAxis.of(group, factors)
     panel_by = min(axis.series, key=lambda name: group[name].nunique()) if len(axis.series) > 1 else None
     places = series(group, [panel_by] if panel_by else [])

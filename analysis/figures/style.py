@@ -1,4 +1,4 @@
-"""Common parts of figures: style, reproducible output, and the factors along x and of the series."""
+"""Common parts of figures: style, output, and assignment of factors."""
 
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 PRINT_DPI = 300
 PACKING = 2
-"""Compression of pixels (0 to 9): half the time of the default for little more space."""
+"""PNG compression (0 to 9): twice as fast as the default, with slightly larger files."""
 LIGHTEST = 0.8
-"""Lightest part of viridis that is visible on white."""
+"""Lightest position in viridis that is visible on white."""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _SETTINGS: dict[str, Any] = {
-    "svg.fonttype": "none",  # text stays text, which a reader can search and an editor change
-    "svg.hashsalt": "tactometry",  # without it names of elements are drawn anew each time
+    "svg.fonttype": "none",  # keep text as text, so that it can be searched and edited
+    "svg.hashsalt": "tactometry",  # fixed salt, as element names are random by default
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 9.0,
@@ -49,36 +49,36 @@ def house_style() -> Iterator[None]:
     import matplotlib as mpl
 
     with mpl.rc_context():
-        mpl.rcdefaults()  # a user's own settings do not change a figure
+        mpl.rcdefaults()  # ignore the user's matplotlib settings
         mpl.rcParams.update(_SETTINGS)  # type: ignore[arg-type,unused-ignore]
         yield
 
 
 @contextmanager
 def new_figure(width_in: float, height_in: float) -> "Iterator[Figure]":
-    """Make a figure without a window, in the common style."""
+    """Yield a figure without a window, in the common style."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     with house_style():
         figure = Figure(figsize=(width_in, height_in), layout="constrained")
-        # Without pyplot, which keeps every figure and asks for a window.
+        # pyplot would keep every figure and open windows.
         FigureCanvasSVG(figure)
         yield figure
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """A finished figure; the same figure gives the same bytes."""
+    """A finished figure with reproducible output bytes."""
 
     figure: "Figure"
     svg: str
-    """SVG element without date."""
+    """SVG element without a date."""
     about: str | None = None
-    """Description in the file."""
+    """Description written into the file."""
 
     def png(self) -> bytes:
-        """Return pixels for print."""
+        """Return the figure as PNG at print resolution."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
 
         target, dpi = io.BytesIO(), self.figure.dpi
@@ -86,32 +86,32 @@ class Drawing:
             self.figure.set_dpi(PRINT_DPI)
             canvas: Any = FigureCanvasAgg(self.figure)
             about = {"Description": self.about} if self.about else {}
-            # Without "Software", which would contain the version of matplotlib.
+            # Omit "Software", which would contain the matplotlib version.
             canvas.print_png(target, metadata={"Software": None, **about}, pil_kwargs={"compress_level": PACKING})
             self.figure.set_dpi(dpi)
         return target.getvalue()
 
 
 def drawing_of(figure: "Figure", about: str | None = None) -> Drawing:
-    """Finish a figure; `about` describes it in the file."""
+    """Finish a figure; `about` is its description in the file."""
     target = io.StringIO()
-    # Not `savefig`, which draws everything twice.
+    # `savefig` would draw everything twice.
     metadata = {"Date": None, "Creator": "tactometry", "Description": about}
     figure.canvas.print_svg(target, metadata=metadata)  # type: ignore[attr-defined]
-    figure.set_layout_engine("none")  # the layout of the pixels is the same
+    figure.set_layout_engine("none")  # reuse the layout for the PNG
     text = target.getvalue()
-    # Without the XML declaration, as the page contains the drawing as an element.
+    # Omit the XML declaration, as the drawing is embedded in the page.
     return Drawing(figure, text[text.index("<svg") :], about)
 
 
 def look(place: int) -> dict[str, Any]:
-    """Return colour and marker of a series; repeated colours have open markers."""
+    """Return colour and marker of a series; reused colours have open markers."""
     style: dict[str, Any] = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
     return style | ({"mfc": "white"} if place >= len(COLOURS) else {})
 
 
 def shades(n: int) -> Sequence[tuple[float, float, float, float]]:
-    """Return n ordered colours, dark to light."""
+    """Return n colours ordered from dark to light."""
     import matplotlib as mpl
 
     return [mpl.colormaps["viridis"](LIGHTEST * place / max(1, n - 1)) for place in range(n)]
@@ -120,25 +120,25 @@ def shades(n: int) -> Sequence[tuple[float, float, float, float]]:
 LOG_RANGE = 4.0
 SPREAD, MOST_SPREAD = 0.18, 0.7
 STEP_ALONE = 1.0
-"""The step of an axis with one place."""
+"""Step of an axis with a single position."""
 
 
 @dataclass(frozen=True)
 class FactorAxis:
-    """Factor along x and factors of the series, if any."""
+    """Factor along the x axis, and factors that form the series."""
 
     along: str | None
     series: tuple[str, ...]
 
     @classmethod
     def of(cls, table: pd.DataFrame, factors: Sequence[str]) -> "FactorAxis":
-        """Choose the numeric factor with most levels along x, the others as series."""
+        """Put the numeric factor with the most levels along x."""
         numeric = [name for name in factors if pd.api.types.is_numeric_dtype(table[name])]
         along = max(numeric or list(factors), key=lambda name: table[name].nunique(), default=None)
         return cls(along, tuple(name for name in factors if name != along))
 
     def place(self, axes: "Axes", table: pd.DataFrame) -> dict[object, float]:
-        """Set up the x axis, logarithmic for a wide range, and return the position of each level."""
+        """Set up the x axis and return the position of each level."""
         from matplotlib.ticker import NullLocator
 
         levels: list[Any] = ["all"] if self.along is None else sorted(set(table[self.along]))
@@ -148,23 +148,23 @@ class FactorAxis:
             return _centred(axes, {level: float(n) for n, level in enumerate(levels)})
         if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
             axes.set_xscale("log")
-            axes.xaxis.set_minor_locator(NullLocator())  # ticks only at the levels
+            axes.xaxis.set_minor_locator(NullLocator())  # no ticks between the levels
         axes.set_xticks([float(level) for level in levels], [f"{level:g}" for level in levels])
         return _centred(axes, {level: float(level) for level in levels})
 
     def x(self, rows: pd.DataFrame, where: Mapping[object, float]) -> Array:
-        """Return the positions of rows."""
+        """Return the x positions of rows."""
         values = ["all"] * len(rows) if self.along is None else rows[self.along]
         return np.array([where[value] for value in values])
 
     def lines(self, table: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame, tuple[float, float, float, float]]]:
-        """Return a part of the table for each level along x, with name and colour."""
+        """Return the rows at each level of the x factor, with name and colour."""
         groups = series(table, [self.along] if self.along else [])
         return ((name, rows, colour) for (name, rows), colour in zip(groups, shades(len(groups)), strict=True))
 
 
 def _centred(axes: "Axes", where: dict[object, float]) -> dict[object, float]:
-    """Put a single position in the middle of its axis."""
+    """Centre the axis on a single position."""
     if len(where) == 1:
         (x,) = where.values()
         axes.set_xlim(x - STEP_ALONE / 2, x + STEP_ALONE / 2)
@@ -179,9 +179,9 @@ def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.Data
 
 
 def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **style: Any) -> None:
-    """Draw means with intervals within participants, and those between them as thin lines.
+    """Draw means with intervals within and between participants.
 
-    Without intervals within participants, bars are those between them. `style` is that of `errorbar`.
+    Without within-participants intervals, the bars are those between participants. `style` is passed to `errorbar`.
     """
     mean, between = bars(means, "mean")
     has_within = "within_low" in means.columns
@@ -196,9 +196,9 @@ def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **s
 
 
 def bars(rows: pd.DataFrame, name: str, ends: str | None = None) -> tuple[Array, Array]:
-    """Return a column, and the reach (2, n_rows) of its interval.
+    """Return a column, and distances (2, n_rows) to its interval ends.
 
-    The columns of the interval begin with `ends`, by default with the name of the column.
+    The columns of the interval begin with `ends`, by default the name of the column.
     """
     columns = name, f"{ends or name}_low", f"{ends or name}_high"
     middle, low, high = (rows[column].astype(float).to_numpy() for column in columns)
@@ -206,9 +206,10 @@ def bars(rows: pd.DataFrame, name: str, ends: str | None = None) -> tuple[Array,
 
 
 def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:
-    """Return positions of one of `n` series side by side.
+    """Return the positions of one of `n` series drawn side by side.
 
-    Together they take at most `MOST_SPREAD` of the smallest step of the axis, each at most `SPREAD`.
+    All series together span at most `MOST_SPREAD` of the smallest step of the axis; neighbours are at most `SPREAD`
+    apart.
 
     >>> {name: round(x, 6) for name, x in shift(1, 2, {"a": 0.0, "b": 1.0}, log=False).items()}
     {'a': 0.09, 'b': 1.09}
@@ -225,9 +226,9 @@ def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dic
 def grid_of(
     n: int, most: int, panel_in: tuple[float, float], margin_in: tuple[float, float], *, share_x: bool = True
 ) -> "Iterator[tuple[Figure, list[Axes], list[Axes]]]":
-    """Make a figure of `n` panels, at most `most` side by side.
+    """Yield a figure of `n` panels, at most `most` side by side.
 
-    Yield it with the axes of the panels, and with those at the left.
+    The axes of all panels and those of the left column follow the figure.
     """
     columns = min(most, n)
     rows = -(-n // columns)  # rounded up
@@ -247,7 +248,7 @@ def panels(
     height_in: float,
     share_x: bool,
 ) -> Drawing:
-    """Draw a panel for each series with one legend."""
+    """Draw a panel for each series with a common legend."""
     parts = series(table, axis.series)
     with grid_of(len(parts), 3, (2.6, height_in), (1.4, 0.4), share_x=share_x) as (figure, grid, left):
         for axes, (name, panel) in zip(grid, parts, strict=True):

@@ -1,4 +1,4 @@
-"""Figure of force or speed around the onset of the stimulus."""
+"""Figure of force or speed around stimulus onset."""
 
 from typing import TYPE_CHECKING, Final
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SCALES: Final = {"force_n": (1.0, "N", "Force (N)"), "speed_m_per_s": (1e3, "mm/s", "Speed (mm/s)")}
-"""Factor, unit and axis label of each quantity."""
+"""Scale factor, unit and axis label of each quantity."""
 N_COLUMNS: Final = 3
 
 
 def courses_figure(table: pd.DataFrame, quantity: str) -> Drawing:
-    """Draw medians over touches with the 5th to 95th percentile, and the target band, a panel for each participant."""
+    """Draw the median, 5th to 95th percentile and target band."""
     rows = table[table["quantity"] == quantity]
     people, targets = sorted(rows["participant"].unique()), sorted(rows["target"].unique())
     with grid_of(len(people), N_COLUMNS, (2.6, 2.1), (1.6, 0.4)) as (figure, grid, left):
@@ -27,12 +27,12 @@ def courses_figure(table: pd.DataFrame, quantity: str) -> Drawing:
         for axes in left:
             axes.set_ylabel(SCALES[quantity][2])
         for axes in grid[-N_COLUMNS:]:  # the lowest panel of each column
-            axes.set_xlabel("Time from the onset (s)")
+            axes.set_xlabel("Time from onset (s)")
             axes.tick_params(labelbottom=True)
         highest = max(axes.dataLim.y1 for axes in grid)
-        grid[0].set_ylim(0.0, 1.1 * highest or 1.0)  # a finger that rests may not move at all
+        grid[0].set_ylim(0.0, 1.1 * highest or 1.0)  # the speed of a resting finger may be 0 throughout
         named = [pair for axes in grid for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
-        lines = {text: line for line, text in named}  # each name once
+        lines = {text: line for line, text in named}  # list each name once
         figure.legend(lines.values(), lines.keys(), loc="outside right upper")
         return drawing_of(figure)
 

@@ -1,15 +1,15 @@
 """Hierarchical fit of thresholds over participants and conditions.
 
-Means and effects (`model`) are integrated out by Laplace's approximation, all other parameters by importance sampling
-(`posterior`) at fixed quasi-random points, so the same answers give the same result. Estimates of participants with few
-or extreme answers shrink to the group mean. A threshold out of range of the levels is reported as a bound only.
+Means and effects (`model`) are integrated out by Laplace's approximation. All other parameters are integrated by
+importance sampling (`posterior`) at fixed quasi-random points, so the same answers yield the same result. Estimates of
+participants with few or extreme answers shrink to the group mean. An out-of-range threshold is reported as a bound.
 
-Priors, in ranges of the levels (of logarithms for widths): mean thresholds normal about the middle of their levels,
-mean log widths normal about half of the range, standard deviations half-normal, the correlation LKJ(2), lapse rates of
-participants normal on the logit scale.
+Priors are in units of the range of the levels (widths: its logarithm). Mean thresholds are normal about the middle of
+their levels, mean log widths normal about half the range. Standard deviations are half-normal, the correlation is
+LKJ(2), and lapse rates of participants are normal on the logit scale.
 """
 
-from __future__ import annotations  # `help` then shows ArrayLike instead of its expansion
+from __future__ import annotations  # lets `help` show ArrayLike instead of its expansion
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -33,12 +33,12 @@ from .single_fits import Known, SingleFits, single_fits
 from .tables import CONDITION_COLUMNS, ParameterPlace, cell_place, condition_table, group_place, participant_table
 
 ENOUGH_EFFECTIVE = 25.0
-COARSE = "the integral over the variances rests on {:.0f} effective points: its intervals are approximate"
-OPEN_MEAN = "the mean threshold of a condition is known to no better than the range of its levels"
+COARSE = "the integral over the variances has only {:.0f} effective points, so the intervals are approximate"
+OPEN_MEAN = "the standard error of a condition's mean threshold exceeds the range of its levels"
 
 
 class GroupOptions(TypedDict, total=False):
-    """Rates, shape and priors of `fit_hierarchical`."""
+    """Options of `fit_hierarchical`: rates, shape and priors."""
 
     shape: Required[str]
     guess_rate: Required[float | None]
@@ -63,7 +63,7 @@ def fit_hierarchical(
     n_points: int = N_POINTS,
     **options: Unpack[GroupOptions],
 ) -> HierarchicalFit:
-    """Fit the thresholds of all participants and conditions at once.
+    """Fit the psychometric functions of all participants jointly.
 
     Parameters
     ----------
@@ -72,21 +72,22 @@ def fit_hierarchical(
     conditions : mapping of factor to (n_rows,)
         The values of each factor.
     shape, guess_rate, lapse_rate, lapse_beta, guess_beta, scale_free_width
-        As for `threshold.fit`. A free lapse rate differs between participants, a free guess rate is shared. The last
-        option (the default) applies to the fits of single cells, which determine the statuses.
+        As for `threshold.fit`. A free lapse rate differs between participants, a free guess rate is shared.
+        `scale_free_width` (on by default) applies to the fits of single cells, which determine the statuses.
     n_false_alarms, n_catch : int or (n_rows,)
-        "Yes" answers to catch trials, and number of catch trials: over all participants, or (better) per row's cell.
+        "Yes" answers to catch trials, and numbers of catch trials: one total for all participants, or (better) the
+        numbers of each row's cell.
     width_by : sequence of str
-        The factors on which the mean log width depends; by default one mean for all.
+        Factors on which the mean log width depends. By default all conditions share one mean.
     known : mapping of (participant, values of the factors) to ThresholdFit, optional
-        Existing fits of single cells with the same options, which are reused; not for the shape ``weibull``.
+        Existing fits of single cells with the same options, which are reused. Not supported for the shape ``weibull``.
     n_points : int
         Points per round of the integral over the hyperparameters; the first round uses half as many.
 
     Raises
     ------
     InvalidParameter
-        For a value that is not a number, an impossible count (naming the row), or an unknown name.
+        For a value that is not a number, an impossible count (the error names the row), or an unknown name.
 
     Examples
     --------
@@ -114,10 +115,10 @@ def _check(
     interval: float,
     rates: tuple[float | None, float | None],
 ) -> None:
-    factors = list(columns)[1:]  # after the participants
+    factors = list(columns)[1:]  # the first column is the participants
     for name in width_by:
         expect(name in factors, "width_by", repr(name), f"factors of {', '.join(factors)}")
-    expect(len(factors) > 0, "conditions", "no factor", "at least one, with one value if nothing varied")
+    expect(len(factors) > 0, "conditions", "no factor", "at least one (with a single value if nothing was varied)")
     between("fit_hierarchical", 0, 1, interval=interval)
     check_rates("fit_hierarchical", *rates)
     for name, values in columns.items():
@@ -166,7 +167,7 @@ def _fit(single: SingleFits, interval: float, n_points: int) -> HierarchicalFit:
 
 
 def _mean_hyperparameters(model: GroupModel, found: Integrated) -> dict[str, Any]:
-    """Return posterior means of standard deviations, correlation, guess rate."""
+    """Return posterior means of SDs, correlation and rates."""
     study, hyper = model.study, found.at.hyper
     sds = found.mean(np.exp(hyper[:, : len(model.sds)])).tolist()
     components = {
@@ -181,7 +182,7 @@ def _mean_hyperparameters(model: GroupModel, found: Integrated) -> dict[str, Any
 
 
 def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iterator[str]:
-    """Yield notes on parameters that the responses do not determine."""
+    """Yield notes about parameters that the responses do not determine."""
     low, high, _ = study.ranges()
     if np.any((high > low) & ~(group.se[:, 0] <= high - low)):
         yield OPEN_MEAN
@@ -190,7 +191,7 @@ def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iter
 
 
 def _means_of_all(single: SingleFits, model: GroupModel, found: Integrated) -> tuple[Array, Array, tuple[int, ...]]:
-    """Return means and covariances in the unit of the levels."""
+    """Return the means and their covariances in the unit of the levels."""
     study, kept, n_points = single.study, model.study, len(found.weights)
     group = np.zeros(study.n_conditions, dtype=np.int64)
     group[single.with_threshold] = kept.width_group
@@ -208,7 +209,7 @@ def _means_of_all(single: SingleFits, model: GroupModel, found: Integrated) -> t
 
 
 def _without_model(single: SingleFits, status: GroupStatus, interval: float) -> HierarchicalFit:
-    """Return statuses and bounds without a model."""
+    """Return a result that contains only statuses and bounds."""
     n_conditions, n_participants = single.study.n_conditions, single.study.n_participants
     return replace(
         _no_data(tuple(single.study.conditions.columns), interval),

@@ -1,8 +1,10 @@
-"""Hierarchical model of thresholds, log widths and lapse rates of cells (a participant in a condition).
+"""Hierarchical model of thresholds, log widths and lapse rates.
 
-The threshold of participant p in condition c is the mean of c, plus the effect of p, plus the deviation of the cell.
-The log width is the mean of its group plus the effect of p (plus a deviation of the cell if there are several groups).
-The logit of the lapse rate is a mean plus the effect of p. All are on the scale of the whole study's levels.
+A cell is one participant in one condition.
+
+The threshold of participant p in condition c is the mean of c plus the effect of p plus the deviation of the cell. The
+log width is the mean of its width group plus the effect of p (plus the deviation of the cell if there are several
+groups). The logit of the lapse rate is a mean plus the effect of p. Levels are scaled by the range of the whole study.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,24 +26,24 @@ from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESH
 from ..threshold.log_posterior import BETA_B, LARGEST_RATE
 
 SCALES = {"threshold": 0.25, "log_width": 0.5, "lapse": 1.0, "threshold_cell": 0.125, "log_width_cell": 0.25}
-"""Scales of the half-normal priors of standard deviations: of thresholds in ranges of the levels, of logarithms of the
-width, and of logits of the lapse rate."""
+"""Scales of the half-normal priors of the standard deviations: thresholds in ranges of the levels, log widths, and
+logits of the lapse rate."""
 LOG_WIDTH_PRIOR = (float(np.log(0.5)), 1.0)
-"""Mean and standard deviation of the normal prior of a mean log width, in ranges of the levels."""
+"""Mean and SD of the normal prior of a mean log width, relative to the log range of the levels."""
 LKJ = 2.0
-"""Concentration of the prior of the correlation (Lewandowski, Kurowicka and Joe 2009)."""
+"""Concentration of the LKJ prior of the correlation (Lewandowski, Kurowicka and Joe 2009)."""
 START = {"threshold": 0.1, "log_width": 0.2, "lapse": 0.5, "threshold_cell": 0.05, "log_width_cell": 0.1}
 START_RATE = 0.03
 
 
 @dataclass(frozen=True)
 class StudyCounts:
-    """Counts of all cells, on the scale of the whole study, u = (level - centre) / spread.
+    """Counts of all cells at scaled levels u = (level - centre) / spread.
 
-    `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
-    `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and
-    `n_catch` of all. `lapse_beta`, `guess_beta` and `scale_free_width` are those of `threshold.fit`. `conditions` has a
-    row for each, `width_group` (n_conditions,) says which of them share a mean width.
+    `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels); unused slots have 0 trials.
+    `own_catch` (2, n_participants, n_conditions) contains false alarms and catch trials of each cell, `n_false_alarms`
+    and `n_catch` are totals. `lapse_beta`, `guess_beta` and `scale_free_width` are options of `threshold.fit`.
+    `conditions` has one row per condition. Conditions with the same `width_group` (n_conditions,) share a mean width.
     """
 
     participants: tuple[str, ...]
@@ -72,9 +74,9 @@ class StudyCounts:
         catch: tuple[ArrayLike, ArrayLike] = (0, 0),
         **known: Any,
     ) -> "StudyCounts":
-        """Arrange rows with levels, "yes" answers and trials into a study.
+        """Arrange rows of levels, "yes" answers and numbers of trials by cell.
 
-        `catch` are false alarms and catch trials: of the cell of each row, or numbers of all participants.
+        `catch` contains false alarms and catch trials: of each row's cell, or totals over all participants.
         """
         used = answers[2] > 0
         keys = pd.DataFrame({name: np.asarray(values)[used] for name, values in factors.items()})
@@ -112,7 +114,7 @@ class StudyCounts:
         return int(self.width_group.max()) + 1
 
     def level(self, u: Array) -> Array:
-        """Return levels in their original unit."""
+        """Convert scaled levels to the original unit."""
         with np.errstate(over="ignore"):
             level = self.centre + self.spread * u
             return np.asarray(np.exp(level) if self.shape.on_log_levels else level)
@@ -125,7 +127,7 @@ class StudyCounts:
         return replace(self, u=u, n_yes=k, n_trials=n, own_catch=catch, width_group=group, conditions=conditions)
 
     def ranges(self) -> tuple[Array, Array, Array]:
-        """Lowest and highest level and smallest spacing of each condition."""
+        """Return lowest level, highest level and smallest spacing by condition."""
         used = self.n_trials > 0
         low = np.where(used, self.u, np.inf).min(axis=(0, 2))
         high = np.where(used, self.u, -np.inf).max(axis=(0, 2))
@@ -136,7 +138,7 @@ class StudyCounts:
 def _counts_of_cells(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
     """Arrange rows by cell, shape (n_cells, most rows), and pool equal levels."""
     counts = normalise(*lay_out(cell, *columns, n_clusters=n_cells))
-    # The means of conditions need the scale of the study, not that of each cell.
+    # Return to the scale of the study, as condition means compare cells.
     u = counts.centre[:, None] + counts.spread[:, None] * counts.u
     u = np.where(counts.n_trials > 0, u, 0.0)
     return u, counts.n_yes, counts.n_trials
@@ -149,7 +151,7 @@ def _gap(levels: Array, reach: float) -> float:
 
 
 def rate_of(logit: Array) -> tuple[Array, Array, Array]:
-    """Return rates between 0 and 0.5 and their two derivatives along a logit."""
+    """Return rates between 0 and 0.5 with two derivatives in the logit."""
     share = expit(logit)
     rate = LARGEST_RATE * share
     slope = rate * (1 - share)
@@ -162,7 +164,7 @@ def logit_of(probability: float) -> float:
 
 
 def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 0.0) -> Array:
-    """Return the log density of a rate's logit, Beta(1, beta) with answers."""
+    """Return the log density of a rate's logit: prior times likelihood."""
     rate = rate_of(logit)[0]
     counted = n_yes * (np.log(LARGEST_RATE) + log_expit(logit)) + (beta - 1 + n_no) * np.log1p(-rate)
     return np.asarray(counted + log_expit(logit) + log_expit(-logit))
@@ -170,10 +172,10 @@ def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 
 
 @dataclass(frozen=True)
 class GroupModel:
-    """Model of a study at many hyperparameters (n_points, n_hyper) at once.
+    """Model of a study, evaluated at many hyperparameters (n_points, n_hyper).
 
     `hyper` names the columns: logarithms of standard deviations, the inverse hyperbolic tangent of the correlation,
-    logits of rates, and the mean log width if it is one for all.
+    logits of rates, and the mean log width if all conditions share it.
     """
 
     study: StudyCounts
@@ -205,7 +207,7 @@ class GroupModel:
 
     @cached_property
     def kept(self) -> list[int]:
-        """Parameters of the psychometric function that the predictors change."""
+        """Indices of the parameters of the function that have predictors."""
         return [THRESHOLD, LOG_WIDTH, *([LAPSE] if self.study.lapse_rate is None else [])]
 
     @cached_property
@@ -237,11 +239,11 @@ class GroupModel:
         return Counts(u, k, n, nothing, nothing, nothing, n_levels)
 
     def at(self, hyper: Array, name: str) -> Array:
-        """Return a column of the hyperparameters."""
+        """Return a hyperparameter by name."""
         return hyper[:, self.hyper.index(name)]
 
     def offsets(self, hyper: Array) -> Array:
-        """Return the offsets of the predictors (n_points, n_predictors)."""
+        """Return hyperparameters added to predictors (n_points, n_predictors)."""
         offsets = np.zeros((len(hyper), len(self.kept)))
         if self.has_one_width:
             offsets[:, 1] = self.at(hyper, "width")
@@ -250,7 +252,7 @@ class GroupModel:
         return offsets
 
     def every_mean(self, hyper: Array, means: Array) -> Array:
-        """Return thresholds of conditions, then log widths of groups."""
+        """Return mean thresholds of conditions, then mean log widths of groups."""
         widths = [self.at(hyper, "width")[:, None]] if self.has_one_width else []
         return np.concatenate([means, *widths], axis=1)
 
@@ -262,7 +264,7 @@ class GroupModel:
         return rate_of(self.at(hyper, "lapse_rate")[:, None] + own)[0]
 
     def precision(self, hyper: Array) -> tuple[Array, Array]:
-        """Return the precision of a participant's effects and half its log det."""
+        """Return the precision of a participant's effects, and half its log det."""
         size = self.random.shape[2]
         precision, half = np.zeros((len(hyper), size, size)), np.zeros(len(hyper))
         place = 0
@@ -299,7 +301,7 @@ class GroupModel:
 
     @cached_property
     def means_prior(self) -> tuple[Array, Array]:
-        """Mean and precision of the means' priors: thresholds, log widths."""
+        """Prior means and precisions of the mean thresholds and mean log widths."""
         study = self.study
         low, high, _ = study.ranges()
         reach = np.where(high > low, high - low, 1.0)
@@ -309,7 +311,7 @@ class GroupModel:
         return middles, np.concatenate([reach**-2, np.full(study.n_groups, sd**-2)])
 
     def _theta(self, points: Array, hyper: Array) -> tuple[Array, Array]:
-        """Return the parameters of each cell, and their slopes along its predictors."""
+        """Return the parameters of cells and their derivatives in predictors."""
         theta = np.empty((len(points), len(self.counts), N_PARAMETERS))
         theta[..., LAPSE], theta[..., GUESS] = self.study.lapse_rate or 0.0, self.study.guess_rate or 0.0
         theta[..., self.kept] = points.reshape(*theta.shape[:2], -1)
@@ -321,11 +323,11 @@ class GroupModel:
         return theta, slopes
 
     def _by_predictors(self, hessian: Array, slopes: Array) -> Array:
-        """Convert second derivatives along the parameters of each cell."""
+        """Convert second derivatives from parameters to predictors (chain rule)."""
         return hessian[..., self.kept, :][..., self.kept] * slopes[..., None] * slopes[..., None, :]
 
     def log_likelihood(self, points: Array, hyper: Array) -> Expansion:
-        """Return the log-likelihood of the cells at their predictors.
+        """Return the log-likelihood of cells, with derivatives in predictors.
 
         Predictors have the shape (n_points, n_participants, n_conditions, n_predictors).
         """
@@ -338,7 +340,9 @@ class GroupModel:
         return Expansion(value, gradient.reshape(points.shape), hessian.reshape(*points.shape, -1))
 
     def information(self, points: Array, hyper: Array) -> Array:
-        """Return Fisher's information of the cells, which unlike the negative Hessian is never negative.
+        """Return the Fisher information of the cells.
+
+        Unlike the negative Hessian it is never negative.
 
         The shape is (n_points, n_participants, n_conditions, n_predictors, n_predictors).
         """

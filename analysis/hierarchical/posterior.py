@@ -1,11 +1,12 @@
 """Importance sampling of the posterior of the hyperparameters.
 
-Means and effects are integrated out by Laplace's approximation at each point, as in INLA (Rue, Martino and Chopin 2009,
+Laplace's approximation integrates out means and effects at each point, as in INLA (Rue, Martino and Chopin 2009,
 J. R. Stat. Soc. B 71, 319-392). Participants share only the means, so the negative Hessian of the log density is
-bordered: the effects of each participant are eliminated first (Schur's complement), then the means are found.
+bordered. The effects of each participant are eliminated first (Schur complement), then the means are solved for.
 
-The points are fixed and come from an additive recurrence (a quasi-random sequence). The first round transforms them to
-Student's t at the mode, the second to Student's t with the moments found. Both rounds are weighted together.
+The points are fixed, from an additive recurrence (a quasi-random sequence). The first round transforms them to a
+Student's t distribution at the mode, later rounds to one with the moments found so far. All rounds are weighted
+jointly.
 """
 
 from dataclasses import dataclass
@@ -18,20 +19,20 @@ from .model import GroupModel
 
 MAX_STEPS = 60
 SMALL_DECREMENT = 1e-9
-"""The step that follows a decrement of this size squares it."""
+"""Decrement below which the search may end, as the next Newton step would square it."""
 FIRST_DAMPING, SMALLEST_DAMPING = 1e-2, 1e-4
-"""A smaller damping is none: Newton's own step alone squares the error, and may end the search."""
+"""The search may end only with less damping than this, as damped steps converge slowly."""
 N_POINTS = 256
-"""Points of a round; the first, at the mode, has half of them."""
+"""Number of points of a round; the first round, at the mode, has half as many."""
 ENOUGH, MAX_ROUNDS = 0.15, 5
-"""Rounds are added until so many effective points, in parts of a round, or so many rounds are reached."""
+"""Rounds are added until the effective points reach this fraction of a round, or up to this number of rounds."""
 FEWEST_EFFECTIVE = 5.0
 DF = 5.0
-"""Degrees of freedom of Student's t."""
+"""Degrees of freedom of the Student's t distribution."""
 STEP = 0.05
 GRADIENT_STEP = 1e-3
 UNITS_AT_ONCE = 100_000
-"""Levels of cells that are computed together: about 50 MB."""
+"""Number of levels of cells that are computed at once (about 50 MB)."""
 GOLDEN_ROUNDS = 40
 FARTHEST, BISECTIONS = 10.0, 50
 SMALLEST_SD = 1e-12
@@ -41,8 +42,8 @@ SMALLEST_SD = 1e-12
 class InnerMode(Rows):
     """Mode of means and effects, one row per point of the hyperparameters.
 
-    `value` (n,) is the log density, `means` (n, n_fixed), `effects` (n, n_participants, n_random), `points` the
-    predictors of all cells and `at` their log-likelihoods.
+    `value` (n,) is the log density. `means` has the shape (n, n_fixed), `effects` (n, n_participants, n_random).
+    `points` are the predictors of all cells and `at` their log-likelihoods.
     """
 
     value: Array
@@ -57,8 +58,8 @@ class Bordered:
     """Negative Hessian of means and effects, in blocks.
 
     `local` (n, n_participants, q, q) is the block of effects, `cross` (n, n_participants, q, p) that of effects and
-    means, `pulled` the inverse of `local` times `cross`, `schur` (n, p, p) the Hessian of the means at the effects that
-    follow them, and `own` the contribution of each participant to it.
+    means, and `pulled` is the inverse of `local` times `cross`. `schur` (n, p, p) is the Schur complement of the means,
+    to which each participant contributes `own`.
     """
 
     local: Array
@@ -69,7 +70,7 @@ class Bordered:
 
     @property
     def half_log_determinant(self) -> Array:
-        """Half of the log determinant (n,), infinite if not definite."""
+        """Half the log determinant (n,), infinite if not positive definite."""
         signs, logs = np.linalg.slogdet(self.local)
         sign, log = np.linalg.slogdet(self.schur)
         is_definite = (signs > 0).all(axis=1) & (sign > 0)
@@ -77,7 +78,7 @@ class Bordered:
 
 
 def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) -> InnerMode:
-    """Climb from `means` and `effects` by damped Newton steps."""
+    """Find the mode of means and effects by damped Newton steps."""
     precision, n = model.precision(hyper)[0], len(hyper)
     start = np.broadcast_to(means, (n, means.shape[-1])), np.broadcast_to(effects, (n, *effects.shape[-2:]))
     found = inner_at(model, hyper, precision, *start)
@@ -99,7 +100,7 @@ def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) ->
 
 
 def inner_at(model: GroupModel, hyper: Array, precision: Array, means: Array, effects: Array) -> InnerMode:
-    """Return the log density and its parts at means and effects."""
+    """Return the log density at means and effects."""
     offset = model.offsets(hyper)[:, None] + np.einsum("cdp,np->ncd", model.fixed, means)
     points = offset[:, None] + np.einsum("cdq,niq->nicd", model.random, effects)
     at = model.log_likelihood(points, hyper)
@@ -111,7 +112,7 @@ def inner_at(model: GroupModel, hyper: Array, precision: Array, means: Array, ef
 
 
 def bordered(model: GroupModel, curvature: Array, precision: Array, damping: Array | float = 0.0) -> Bordered:
-    """Return the negative Hessian of a curvature of the cells."""
+    """Return the negative Hessian from the curvature of the cells."""
     x, z = model.fixed, model.random
     c, d, q = z.shape
     n, n_people = curvature.shape[:2]
@@ -119,7 +120,7 @@ def bordered(model: GroupModel, curvature: Array, precision: Array, damping: Arr
     bent_x = (curvature @ x).reshape(n, n_people, c * d, -1)
     z_all, x_all = z.reshape(c * d, q).T, x.reshape(c * d, -1).T
     more = np.broadcast_to(np.asarray(damping), (n,))[:, None, None]
-    # The damping multiplies the curvature of the priors too, as effects have different scales.
+    # Damp in proportion to the priors' curvature, as effects have different scales.
     local = z_all @ bent_z + (precision * (1 + more))[:, None]
     cross = z_all @ bent_x
     pulled = np.linalg.solve(local, cross)
@@ -144,10 +145,10 @@ def _step(model: GroupModel, here: InnerMode, precision: Array, damping: Array) 
 
 @dataclass(frozen=True)
 class Conditional(Rows):
-    """Laplace's approximation at hyperparameters.
+    """Laplace's approximation at given hyperparameters.
 
-    `log_density` (n,) is that of the hyperparameters. The `means` (n, n_fixed) have covariances, the predictors (n,
-    n_participants, n_conditions, 2) of the cells have variances.
+    `log_density` (n,) is the log density of the hyperparameters. `covariance` belongs to `means` (n, n_fixed),
+    `variances` to the predictors `cells` (n, n_participants, n_conditions, 2).
     """
 
     hyper: Array
@@ -161,7 +162,7 @@ class Conditional(Rows):
 
 @dataclass(frozen=True)
 class Integrated:
-    """Points with weights that sum to 1."""
+    """Points of the integral, with weights that sum to 1."""
 
     at: Conditional
     weights: Array
@@ -177,7 +178,7 @@ class Integrated:
 class Laplace:
     """Log posterior of hyperparameters by Laplace's approximation.
 
-    Each call starts at the means and effects of the best point so far.
+    Each call starts from the means and effects at the best point so far.
     """
 
     def __init__(self, model: GroupModel, hyper: Array, means: Array) -> None:
@@ -213,7 +214,7 @@ class Laplace:
 
 
 def _cells(model: GroupModel, inner: InnerMode, hessian: Bordered, covariance: Array) -> tuple[Array, Array]:
-    """Return thresholds and log widths of the cells, with variances."""
+    """Return the thresholds and log widths of the cells, with variances."""
     z, x = model.random[:, :2], model.fixed[:, :2]
     spread = np.linalg.solve(hessian.local[:, :, None], np.swapaxes(z, 1, 2))
     inside = np.einsum("cdq,nicqd->nicd", z, spread)
@@ -223,7 +224,7 @@ def _cells(model: GroupModel, inner: InnerMode, hessian: Bordered, covariance: A
 
 
 def find_mode(laplace: Laplace, hyper: Array) -> tuple[Array, Array]:
-    """Return the mode of the hyperparameters and their covariance there."""
+    """Return the mode of the hyperparameters and the covariance at the mode."""
     from scipy.optimize import minimize  # slow to load
 
     k = len(hyper)
@@ -253,9 +254,9 @@ def find_mode(laplace: Laplace, hyper: Array) -> tuple[Array, Array]:
 
 
 def sequence(n: int, k: int) -> Array:
-    """Return quasi-random points (n, k) in the unit cube.
+    """Return n quasi-random points in the k-dimensional unit cube.
 
-    They form an additive recurrence (Roberts 2018).
+    The sequence is an additive recurrence (Roberts 2018).
 
     >>> sequence(2, 1).round(3).tolist()
     [[0.118], [0.736]]
@@ -267,7 +268,7 @@ def sequence(n: int, k: int) -> Array:
 
 
 def _student(n: int, mode: Array, covariance: Array) -> Array:
-    """Return points (n, k) of Student's t."""
+    """Transform points in the unit cube to a multivariate Student's t."""
     u = sequence(n, len(mode) + 1)
     shrink = np.sqrt(gammaincinv(DF / 2, u[:, -1]) / (DF / 2))
     return np.asarray(mode + ndtri(u[:, :-1]) / shrink[:, None] @ np.linalg.cholesky(covariance).T)
@@ -281,7 +282,7 @@ def _log_student(x: Array, mode: Array, covariance: Array) -> Array:
 
 
 def integrate(laplace: Laplace, hyper: Array, n_points: int = N_POINTS) -> Integrated:
-    """Return points and weights of the integral over hyperparameters.
+    """Integrate over the hyperparameters; return points and weights.
 
     Raises
     ------
@@ -310,13 +311,13 @@ def _weights(at: Conditional, proposals: list[tuple[Array, Array]], sizes: list[
     shares = [np.log(n) + _log_student(at.hyper, *one) for n, one in zip(sizes, proposals, strict=True)]
     log_weights = at.log_density - np.logaddexp.reduce(shares, axis=0)
     if not np.isfinite(log_weights.max()):
-        raise np.linalg.LinAlgError("no point has a density")
+        raise np.linalg.LinAlgError("no point has a positive density")
     weights = np.exp(log_weights - log_weights.max())
     return np.asarray(weights / weights.sum())
 
 
 def _moments(x: Array, weights: Array, before: Array) -> tuple[Array, Array]:
-    """Return weighted moments, shrunk to `before` with few effective points."""
+    """Return weighted moments, shrunk towards `before` if uncertain."""
     mean = weights @ x
     away = x - mean
     n = 1 / np.square(weights).sum()

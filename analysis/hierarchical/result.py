@@ -20,18 +20,19 @@ class GroupStatus(StatusWithNote):
     OK = "ok", ""
     ONE_PARTICIPANT = (
         "one_participant",
-        "one participant: no variance between participants, and intervals of this participant only",
+        "one participant: the variance between participants is unknown, and intervals apply to this participant only",
     )
-    NO_THRESHOLD = "no_threshold", "no participant has a threshold in any condition, at most a bound"
+    NO_THRESHOLD = "no_threshold", "no participant has a threshold in any condition"
     NOT_CONVERGED = "not_converged", "the integral over the variances did not converge: no estimate"
-    NO_DATA = "no_data", "no trial was given"
+    NO_DATA = "no_data", "there are no trials"
 
 
 @dataclass(frozen=True)
 class Contrast:
     """Weighted sum of the conditions' mean thresholds (or log widths).
 
-    It has a posterior mean, standard deviation and interval. `p` is twice the smaller posterior probability of a sign.
+    The estimate is a posterior mean with standard deviation and interval. `p` is twice the smaller of the posterior
+    probabilities of either sign.
     """
 
     estimate: float
@@ -43,7 +44,7 @@ class Contrast:
 
 @dataclass(frozen=True)
 class FactorEffect:
-    """Wald's F of an effect with p; both df are multiplied by `epsilon`."""
+    """Wald F of an effect with p; `epsilon` multiplies both df."""
 
     f: float
     df: int
@@ -54,32 +55,32 @@ class FactorEffect:
 
 @dataclass(frozen=True, kw_only=True)
 class HierarchicalFit:
-    """Estimates of a hierarchical fit over all participants.
+    """Result of a hierarchical fit over all participants.
 
     Parameters
     ----------
     conditions : DataFrame
         Per condition (a column per factor) `threshold`, `standard_error`, `interval_low`, `interval_high`, `width`,
-        `width_low`, `width_high`, `status`; a threshold out of range of the levels is missing, with one end of
-        its interval if the model has one. For ``weibull`` widths and standard errors are of logarithms of the level.
+        `width_low`, `width_high`, `status`. An out-of-range threshold is missing; one end of its interval is set if the
+        model has one. For ``weibull`` widths and standard errors are of logarithms of the level.
     participants : DataFrame
         The same per participant and condition, with `n_trials` and the participant's own `lapse_rate`: shrunken
         estimates with intervals that include the uncertainty of the group's means, variances and rates.
     components : mapping
-        Standard deviations between participants of ``threshold`` and ``log_width``, and of the cells' deviations from
-        condition plus participant, ``threshold_cell`` and ``log_width_cell``, and of the logits of ``lapse`` rates:
-        posterior means.
+        Posterior means of standard deviations: ``threshold``, ``log_width`` and ``lapse`` (logit of the lapse rate)
+        between participants, and ``threshold_cell`` and ``log_width_cell`` of the cells about condition plus
+        participant.
     correlation : float or None
-        Of threshold and log width between participants.
+        Correlation of threshold and log width between participants.
     lapse_rate, guess_rate : float or None
-        The mean lapse rate of participants, and the guess rate of all.
+        Mean lapse rate of the participants, and the shared guess rate.
     n_effective : float or None
         Effective number of points of the integral over the hyperparameters: the relative error of a standard error
         is about 1 / sqrt(2 `n_effective`).
     weights, means, covariance : ndarray
-        Points of that integral: their weights, and at each the means and covariance of the conditions' thresholds and
-        then of the width groups' log widths (for ``weibull`` of log thresholds); `width_group` says which group each
-        condition belongs to.
+        Weights of the points of that integral, and at each point the means and covariance of the conditions' thresholds
+        followed by the log widths of the width groups (for ``weibull`` log thresholds). `width_group` is the group of
+        each condition.
     """
 
     conditions: pd.DataFrame
@@ -125,14 +126,14 @@ class HierarchicalFit:
         The conditions must form a complete factorial.
 
         F is the posterior mean of Wald's statistic. The error has df (n - 1) degrees of freedom, as in the
-        repeated-measures analysis: the model has one variance for the deviations of all cells. If participants'
-        thresholds (or widths) show unequal variances, Chi and Muller's epsilon corrects both degrees
+        repeated-measures analysis: the model has one variance for the deviations of all cells. Chi and Muller's epsilon
+        corrects both degrees of freedom if the differences between conditions have unequal variances
         (`contrasts.epsilons`).
 
         Raises
         ------
         InvalidParameter
-            For an unknown factor, an incomplete factorial, or conditions with a shared width; and as for `contrast`.
+            For an unknown factor, an incomplete factorial, or conditions that share a width. Also as `contrast`.
         """
         weights = self._effect_weights(factors)
         rows = self._rows(weights, of)
@@ -147,14 +148,15 @@ class HierarchicalFit:
         return FactorEffect(f, df, df_error, p, epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:
-        """Return Chi and Muller's epsilon, the lower bound below 3 participants."""
+        """Return Chi and Muller's epsilon (lower bound below 3 participants)."""
         names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
         wide = self.participants.pivot(index="participant", columns=names, values=column)
-        keys = [key if len(key) > 1 else key[0] for key in self._keys()]  # pandas names one level without a tuple
+        # pandas does not use tuples for a single level
+        keys = [key if len(key) > 1 else key[0] for key in self._keys()]
         values = wide[keys].dropna().to_numpy(dtype=np.float64)
         if len(values) < 3:
             return 1 / len(weights)
-        contrast = np.linalg.qr(weights.T)[0]  # epsilon is one of orthonormal contrasts
+        contrast = np.linalg.qr(weights.T)[0]  # epsilon requires orthonormal contrasts
         scores = (np.log(values) if of == "log_width" else values) @ contrast
         covariance = np.asarray(np.cov(scores, rowvar=False), dtype=np.float64).reshape(len(weights), -1)
         return epsilons(covariance, len(values) - 1)[2]
@@ -163,20 +165,20 @@ class HierarchicalFit:
         return [tuple(row) for row in self.conditions[list(self.factors)].itertuples(index=False)]
 
     def _rows(self, weights: Array, of: str) -> Array:
-        """Return weights (n_rows, n_conditions) as weights of all means."""
+        """Convert weights of conditions to weights of all means."""
         expect(of in ("threshold", "log_width"), "of", repr(of), "'threshold' or 'log_width'")
         is_fitted = self.n_participants > 1 and len(self.means) > 0
-        expect(is_fitted, "participants", self.n_participants, "two or more with a fit")
+        expect(is_fitted, "participants", self.n_participants, "at least two participants with a fit")
         is_missing = self.conditions["threshold"].isna().to_numpy()
         lost = self.conditions.loc[(weights != 0).any(axis=0) & is_missing]
         names = ", ".join(str(tuple(row)) for row in lost[[*self.factors, "status"]].itertuples(index=False))
         expect(not names, "conditions", f"no mean threshold for {names}", "conditions with one")
         is_bounded = of == "log_width" and bool(self.conditions["width"].isna().all())
-        expect(not is_bounded, "of", repr(of), "'threshold': the widths have an upper bound only")
+        expect(not is_bounded, "of", repr(of), "'threshold', as the widths have only an upper bound")
         n, rows = len(self.conditions), np.zeros((len(weights), self.means.shape[1]))
         if of == "threshold":
             rows[:, :n] = weights
-        else:  # weights of conditions with a shared width add up
+        else:  # add up the weights of conditions that share a width
             np.add.at(rows.T, n + np.array(self.width_group), weights.T)
         return rows
 
@@ -189,7 +191,7 @@ class HierarchicalFit:
         expect(are_known and is_complete, "factors", requested, known)
         by_factor = []
         for name, values in zip(self.factors, levels, strict=True):
-            # Differences between levels of a requested factor, means over the levels of the others.
+            # Contrast the levels of the named factors and average over the levels of the others.
             differences, mean = np.diff(np.eye(len(values)), axis=0), np.full((1, len(values)), 1 / len(values))
             by_factor.append(differences if name in factors else mean)
         weights = reduce(np.kron, by_factor)

@@ -1,4 +1,4 @@
-"""Fits of single cells and of whole conditions, as start values."""
+"""Fits of single cells and of pooled conditions, used as start values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,9 +16,9 @@ WITH_THRESHOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 
 @dataclass(frozen=True)
 class SingleFits:
-    """Fits of single cells (a list per condition) and of whole conditions.
+    """Fits of single cells (one list per condition) and of pooled conditions.
 
-    A condition's fit pools the answers of all participants. Units are those of the study.
+    The fit of a condition pools the answers of all participants. Levels are scaled as in the study.
     """
 
     study: StudyCounts
@@ -27,15 +27,15 @@ class SingleFits:
 
     @property
     def separated(self) -> bool:
-        """True if every cell with a threshold changes in one step."""
+        """True if every cell with a threshold changes in a single step."""
         statuses = [one.status for cell in self.cells for one in cell if has_threshold(one)]
         return bool(statuses) and all(status == Status.SEPARATED for status in statuses)
 
     def statuses(self) -> list[Status]:
         """Return a status per condition.
 
-        It is `ok` if a cell or the pooled answers have a threshold. Otherwise it is the common status of the cells, or
-        that of the pooled answers.
+        The status is `ok` (or `separated`) if a cell or the pooled answers have a threshold. Otherwise it is the common
+        status of the cells, or that of the pooled answers if the cells differ.
         """
         with_threshold, statuses = Status.SEPARATED if self.separated else Status.OK, []
         for cell, together in zip(self.cells, self.together, strict=True):
@@ -55,7 +55,7 @@ class SingleFits:
         return np.array(ends, dtype=np.float64)
 
     def width_bounds(self) -> Array:
-        """Return the highest width of each condition's pooled answers, or NaN."""
+        """Return the upper bound of each condition's pooled width, or NaN."""
         return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])
 
     def start(self) -> tuple[Array, Array]:
@@ -66,10 +66,10 @@ class SingleFits:
         for c, place in enumerate(self.with_threshold):
             cell, together = self.cells[place], self.together[place]
             fits = [one for one in cell if has_threshold(one)] or [together] * has_threshold(together)
-            at = ends.get(together.status, middle)[c]  # the end of the levels on the side of the threshold
+            at = ends.get(together.status, middle)[c]  # lowest or highest level, whichever is nearer to the threshold
             threshold.append(np.mean([one.threshold for one in fits]) if fits else at)
             widths = [np.log(one.width) for one in fits if one.width is not None]
-            half_range = max((high - low)[c] / 2, 1e-9)  # one level has no range
+            half_range = max((high - low)[c] / 2, 1e-9)  # a single level has no range
             width.append(np.mean(widths) if widths else np.log(half_range))
         return np.array(threshold), np.array(width)
 
@@ -79,13 +79,13 @@ def has_threshold(one: ThresholdFit) -> bool:
 
 
 Known = Mapping[tuple[str, tuple[Any, ...]], ThresholdFit]
-"""Fits of cells by participant and condition, in the unit of the levels."""
+"""Fits of cells by participant and condition, in the original unit of the levels."""
 PLACES = ("threshold", "interval_low", "interval_high", "threshold_mode", "threshold_median", "threshold_mean")
 WIDTHS = ("width", "width_low", "width_high")
 
 
 def single_fits(study: StudyCounts, shape: str, known: Known) -> SingleFits:
-    """Fit single cells as `cells.estimates` does, except those `known`."""
+    """Fit the cells that are not in `known`, as `cells.estimates` does."""
     if study.shape.on_log_levels:  # a Weibull function is a Gumbel function of logarithms
         shape, known = "gumbel", {}
     n, c = study.n_participants, study.n_conditions

@@ -1,7 +1,7 @@
 """Tables of a hierarchical fit, in the unit of the levels.
 
-Laplace's approximation makes the intervals of participants 5 to 15 % too short after few trials. Draws from it are
-therefore weighted by the exact density of the participant's answers and effects.
+With few trials, Laplace's approximation makes the intervals of participants 5 to 15 % too short. Draws are therefore
+weighted by the exact density of the participant's answers and effects.
 """
 
 from dataclasses import dataclass
@@ -21,21 +21,21 @@ CONDITION_COLUMNS = (
 )
 CENSORED = (Status.BELOW, Status.ABOVE)
 FEWEST_DRAWS = 100.0
-"""Effective draws of a participant; with fewer the mixture of normals is used."""
+"""With fewer effective draws of a participant, the mixture of normals is used instead."""
 MOST_EFFECTS = 40
-"""With more effects of a participant, draws of all at once take too much memory."""
+"""Largest number of effects per participant for which draws fit in memory."""
 N_DRAWS = 1024
 SEED = 1
 WIDENED = 1.15
-"""Draws have so many times the standard deviation of Laplace's approximation, which bounds their weights."""
+"""Factor that widens the standard deviation of the draws, to bound their weights."""
 WITHOUT_NUMBER = (*CENSORED, Status.FLAT, Status.NO_DATA)
 
 
 @dataclass(frozen=True)
 class ParameterPlace(Rows):
-    """Thresholds (in ranges of the levels) and log widths with their uncertainty.
+    """Thresholds (scaled as in the study) and log widths with uncertainty.
 
-    `mean` and `se` have the shape (n_conditions, ..., 2), and `ends` of intervals one more axis. They are NaN for a
+    `mean` and `se` have the shape (n_conditions, ..., 2); `ends` of intervals have one more axis. All are NaN for a
     condition without a threshold.
     """
 
@@ -50,18 +50,18 @@ class ParameterPlace(Rows):
 
     @classmethod
     def of(cls, found: Integrated, values: Array, variances: Array, interval: float) -> "ParameterPlace":
-        """Summarise values (n_points, n_conditions, ..., 2) with variances."""
+        """Summarise values (n_points, n_conditions, ..., 2) over all points."""
         mean = found.mean(values)
         se = np.sqrt(found.mean(variances + np.square(values - mean)))
         ends = [quantiles(found.weights, values, np.sqrt(variances), share) for share in _tails(interval)]
         return cls(mean, se, np.stack(ends, axis=-1))
 
     def turned(self) -> "ParameterPlace":
-        """Return the estimates with the first two axes swapped."""
+        """Swap the first two axes."""
         return self._of_each(lambda values: np.swapaxes(values, 0, 1))
 
     def by_participant(self) -> "ParameterPlace":
-        """Return the cells as rows, ordered by participant."""
+        """Return one row per cell, ordered by participant."""
         return self.turned()._of_each(lambda values: values.reshape(-1, *values.shape[2:]))
 
 
@@ -87,7 +87,7 @@ class CellDraws:
 
 
 def draw_cells(model: GroupModel, found: Integrated, n_draws: int = N_DRAWS) -> CellDraws:
-    """Draw cells at hyperparameters chosen by their weights."""
+    """Draw predictors of the cells at hyperparameters sampled by weight."""
     rng = np.random.default_rng(SEED)
     steps = (np.arange(n_draws) + 0.5) / n_draws
     chosen = np.minimum(np.searchsorted(np.cumsum(found.weights), steps), len(found.weights) - 1)
@@ -99,11 +99,11 @@ def draw_cells(model: GroupModel, found: Integrated, n_draws: int = N_DRAWS) -> 
     root = WIDENED * np.linalg.cholesky(np.linalg.inv(hessian.local))[of_draw]
     normals = rng.standard_normal((n_draws, *at.effects.shape[1:]))
     away = (np.linalg.cholesky(at.covariance)[of_draw] @ rng.standard_normal((n_draws, at.means.shape[1], 1)))[..., 0]
-    followed = np.einsum("niqp,np->niq", hessian.pulled[of_draw], away)  # the mode of the effects follows the means
+    followed = np.einsum("niqp,np->niq", hessian.pulled[of_draw], away)  # the mode of the effects depends on the means
     effects = at.effects[of_draw] - followed + np.einsum("niqr,nir->niq", root, normals)
     hyper, priors = at.hyper[of_draw], precision[of_draw]
     drawn = inner_at(model, hyper, priors, at.means[of_draw] + away, effects)
-    # The weight of the point already includes Laplace's density of the participant's answers at the drawn means.
+    # The weight of a point already includes Laplace's density of the participant's answers at the drawn means.
     score = np.einsum("cdp,nicd->nip", model.fixed, inner.at.gradient)[of_draw]
     bent = np.einsum("np,nipr,nr->ni", away, hessian.own[of_draw], away, optimize=True)
     before = _log_density(inner, precision)[of_draw] + np.einsum("nip,np->ni", score, away) - 0.5 * bent
@@ -119,7 +119,7 @@ def _log_density(inner: InnerMode, precision: Array) -> Array:
 
 
 def group_place(model: GroupModel, found: Integrated, interval: float) -> ParameterPlace:
-    """Return thresholds and widths of the conditions."""
+    """Return the mean thresholds and widths of the conditions."""
     c, n_free = model.study.n_conditions, found.at.means.shape[1]
     every = model.every_mean(found.at.hyper, found.at.means)
     variances = np.zeros(every.shape)
@@ -129,7 +129,7 @@ def group_place(model: GroupModel, found: Integrated, interval: float) -> Parame
 
 
 def cell_place(model: GroupModel, found: Integrated, interval: float) -> tuple[ParameterPlace, Array]:
-    """Return shrunken estimates and lapse rates of the cells."""
+    """Return the shrunken estimates and the lapse rates of the cells."""
     normal = ParameterPlace.of(found, found.at.cells, found.at.variances, interval)
     rates = found.mean(model.lapses(found.at.hyper, found.at.effects))
     if not 0 < model.random.shape[2] <= MOST_EFFECTS:
@@ -149,7 +149,7 @@ def _place_of_draws(draws: CellDraws, interval: float) -> ParameterPlace:
 
 
 def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:
-    """Return the table of the means."""
+    """Return the table of condition means."""
     study = single.study
     low, high, _ = study.ranges()
     means = zip(single.statuses(), place.mean[:, 0], low, high, strict=True)
@@ -161,10 +161,10 @@ def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:
 
 
 def participant_table(single: SingleFits, place: ParameterPlace, lapse_rates: Array | None) -> pd.DataFrame:
-    """Return the table of the cells."""
+    """Return the table of participants by condition."""
     study, rows = single.study, place.by_participant()
     status = np.array([cell[p].status for p in range(study.n_participants) for cell in single.cells], dtype=object)
-    # Shrinkage to the group gives a width even to a cell whose answers change in one step.
+    # Shrinkage provides a width even for cells whose answers change in one step.
     status[(status == Status.SEPARATED) & ~np.isnan(rows.mean[:, 0])] = Status.OK
     # A cell without a threshold keeps its status and bound.
     is_censored = np.isin(status, CENSORED)

@@ -1,1 +1,1 @@
-"""Mixed models of clustered values and answers."""
+"""Linear mixed models of values clustered by participant."""

@@ -2,7 +2,7 @@
 
 A known value contributes its density, a censored one the probability of its interval. The intercept is integrated by
 adaptive Gauss-Hermite quadrature about its mode (Pinheiro and Chao 2006, Journal of Computational and Graphical
-Statistics 15(1), 58-81), which is exact where nothing is censored.
+Statistics 15(1), 58-81), which is exact without censoring.
 """
 
 from dataclasses import dataclass
@@ -17,18 +17,18 @@ from ..arrays import Array, Bools, Indices, lay_out, symmetric_inverse
 
 N_NODES = 31
 NARROW = 1e-6
-"""An interval narrower than this part of the values' spread is a value."""
+"""An interval narrower than this fraction of the values' spread counts as a value."""
 LOG_ROOT_TWO_PI = 0.5 * float(np.log(2 * np.pi))
 MAX_STEPS, SMALL_DECREMENT = 60, 1e-9
 DIFFERENCE = 1e-4
-"""Step of central differences: their error grows with its square, that of rounding with its inverse."""
+"""Step of central differences, a compromise between truncation error (step^2) and rounding error (1 / step)."""
 GRADIENT_TOLERANCE = 1e-5
 MAX_RESTARTS, MAX_POLISHING = 5, 4
 IMPOSSIBLE = 1e12
 
 
 class Terms(NamedTuple):
-    """Log-likelihoods, slopes, and curvatures along the mean."""
+    """Log-likelihoods with first and second derivatives in the mean."""
 
     value: Array
     by_mean: Array
@@ -38,10 +38,10 @@ class Terms(NamedTuple):
 
 @dataclass(frozen=True)
 class Maximum:
-    """Parameters at the largest log-likelihood with their covariance.
+    """Parameters at the maximum of the log-likelihood, with their covariance.
 
-    They are coefficients, log residual standard deviation and the standard deviation of participants. The gradient is
-    the largest that is left over.
+    Parameters are the coefficients, the log residual standard deviation and the standard deviation of participants.
+    `gradient` is the largest remaining derivative.
     """
 
     parameters: Array
@@ -54,7 +54,7 @@ class Maximum:
 class Intervals:
     """Intervals arranged as (participant, slot).
 
-    A slot that is not `used` has the interval 0 to 0. If both ends are equal, the slot is a known value.
+    Unused slots have the interval 0 to 0. A slot with equal ends is a known value.
     """
 
     low: Array
@@ -74,14 +74,14 @@ class Intervals:
         return int((self.used & (self.low < self.high)).sum())
 
     def values(self, mean: Array, log_sd: Array) -> Terms:
-        """Return the terms of each slot at means (..., participant, slot)."""
+        """Return the terms of each slot, given means (..., participant, slot)."""
         exact = of_value(self.low, mean, log_sd)
         chance = of_interval(self.low, self.high, mean, log_sd)
         merged = (np.where(self.low == self.high, *both) for both in zip(exact, chance, strict=True))
         return Terms(*(np.where(self.used, values, 0.0) for values in merged))
 
     def intercepts(self, parameters: Array, start: Array) -> tuple[Array, Array]:
-        """Return the modes and curvatures of the standardised intercepts."""
+        """Return modes and curvatures of the standardised intercepts."""
         fixed, log_sd, scale = self.x @ parameters[:-2], parameters[-2], parameters[-1]
 
         def at(u: Array) -> Array:
@@ -105,7 +105,7 @@ class Intervals:
         return u, here[2]
 
     def log_likelihood(self, parameters: Array, start: Array) -> tuple[float, Array, Array]:
-        """Return the log-likelihood, its gradient and the intercepts' modes."""
+        """Return the log-likelihood, its gradient and the modes of the intercepts."""
         mode, curvature = self.intercepts(parameters, start)
         points, weights = np.polynomial.hermite.hermgauss(N_NODES)
         u = mode + np.sqrt(2 / curvature) * points[:, None]
@@ -122,16 +122,16 @@ class Intervals:
         return float(value), gradient, mode
 
     def start(self) -> Array:
-        """Return start values by least squares through middles or bounds."""
+        """Return start values by least squares through middles or finite ends."""
         y = middle(np.stack([self.low, self.high], axis=-1))
         beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
         residuals = (y - self.x @ beta)[self.used]
-        sd = max(float(residuals.std()), 0.01) / np.sqrt(2)  # an exact fit would give 0, which has no logarithm
+        sd = max(float(residuals.std()), 0.01) / np.sqrt(2)  # positive, as an exact fit has no log SD
         return np.array([*beta, np.log(sd), sd])
 
 
 class _Objective:
-    """Negative log-likelihood with its gradient, 1e12 where it overflows."""
+    """Negative log-likelihood with its gradient; 1e12 on overflow."""
 
     def __init__(self, intervals: Intervals) -> None:
         self._intervals, self._modes = intervals, np.zeros(len(intervals.low))
@@ -151,13 +151,13 @@ class _Objective:
             (_, ahead), (_, behind) = self(parameters + step * unit), self(parameters - step * unit)
             rows.append((ahead - behind) / (2 * step))
         matrix = np.array(rows)
-        return np.asarray((matrix + matrix.T) / 2)  # differences are symmetric only up to their error
+        return np.asarray((matrix + matrix.T) / 2)  # symmetrise, as differences are symmetric only up to their error
 
 
 def maximise(intervals: Intervals) -> Maximum:
-    """Maximise by quasi-Newton steps (BFGS), then by Newton steps.
+    """Maximise the likelihood by BFGS, then by Newton steps.
 
-    BFGS starts at the inverse Hessian of the start values.
+    BFGS starts with the inverse Hessian at the start values.
     """
     from scipy.optimize import minimize  # slow to load
 
@@ -166,7 +166,7 @@ def maximise(intervals: Intervals) -> Maximum:
         hessian = objective.hessian(parameters)
         for _ in range(MAX_RESTARTS):
             inverse = symmetric_inverse(hessian)
-            # scipy raises for a matrix that is not definite; with None it starts at the identity.
+            # None means the identity, as scipy raises for a matrix that is not positive definite
             options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": inverse if _is_definite(inverse) else None}
             parameters = minimize(objective, parameters, jac=True, method="BFGS", options=options).x
             parameters, hessian = _newton_steps(objective, parameters)
@@ -177,7 +177,7 @@ def maximise(intervals: Intervals) -> Maximum:
 
 
 def _newton_steps(objective: _Objective, parameters: Array) -> tuple[Array, Array]:
-    """Take Newton steps as long as they shrink the gradient."""
+    """Take Newton steps while the gradient decreases."""
     value, gradient = objective(parameters)
     for _ in range(MAX_POLISHING):
         hessian = objective.hessian(parameters)
@@ -219,18 +219,18 @@ def of_interval(low: Array, high: Array, mean: Array, log_sd: Array) -> Terms:
     a, b = (low - mean) * inverse, (high - mean) * inverse
     log_chance = _log_chance(a, b)
     ratio_a, ratio_b = (np.exp(-0.5 * end * end - LOG_ROOT_TWO_PI - log_chance) for end in (a, b))
-    # The density is 0 at an infinite end; a finite factor keeps their product from being NaN.
+    # The density at an infinite end is 0; a finite factor prevents 0 * inf.
     a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
     slope = ratio_a - ratio_b
-    curvature = np.minimum(a * ratio_a - b * ratio_b - slope**2, 0.0)  # log-concave even if all digits are lost
+    curvature = np.minimum(a * ratio_a - b * ratio_b - slope**2, 0.0)  # enforce log-concavity in spite of rounding
     return Terms(log_chance, slope * inverse, a * ratio_a - b * ratio_b, curvature * inverse**2)
 
 
 def _log_chance(a: Array, b: Array) -> Array:
-    """Return log(Phi(b) - Phi(a)), computed in the tail that keeps digits."""
+    """Return log(Phi(b) - Phi(a)), computed in the more precise tail."""
     flipped = a > 0
     low, high = np.where(flipped, -b, a), np.where(flipped, -a, b)
     upper = log_ndtr(high)
     with np.errstate(invalid="ignore"):
-        difference = np.maximum(upper - log_ndtr(low), 1e-300)  # log1mexp has no value at 0
+        difference = np.maximum(upper - log_ndtr(low), 1e-300)  # log1mexp is undefined at 0
         return np.where(high > low, upper + log1mexp(difference), 0.0)

@@ -1,6 +1,6 @@
 """Linear mixed models with a random intercept per participant.
 
-Cells may be missing, and measured force can be a covariate.
+Cells may be missing, and covariates such as the measured force are supported.
 
 statsmodels' MixedLM computes likelihood, estimates and covariance. Its search over the variance of participants can
 end away from the maximum, so here it starts from the best point of a grid.
@@ -24,19 +24,17 @@ from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
 from ..distributions import Fisher, Student
 
 RATIOS = (1e-8, 1e10)
-"""Where the variance of participants over the residual one is looked for, besides 0."""
+"""Grid of ratios of participant variance to residual variance (in addition to 0)."""
 N_GRID = 73
 TOLERANCE = 1e-9
-ALIKE = (
-    "participants do not differ beyond the residuals: their variance is 0, at its bound (a singular fit, which is a "
-    "valid result)"
-)
+ALIKE = "participants do not differ by more than the residuals, so their variance is 0 (a singular but valid fit)"
 
 
 class ModelStatus(StrEnum):
     """Status of a mixed model.
 
-    `SINGULAR`: participants do not differ beyond the residuals. This is a valid result; their variance is 0.
+    `SINGULAR` means that participants do not differ by more than the residuals. The result is valid; the variance of
+    participants is 0.
     """
 
     OK = "ok"
@@ -47,10 +45,10 @@ class ModelStatus(StrEnum):
 class MixedModel:
     """Fitted model y = X b + u(participant) + e.
 
-    `coefficients`: per column of X its estimate, standard error, df, t, p and interval. `terms`: per factor, covariate
-    and interaction its F, averaged over the others. Standard deviations are in the unit of the dependent value;
-    `log_likelihood` is the restricted one (for `censored_model` the unrestricted). `notes` are warnings for the reader.
-    `n_censored` of the `n` values are known only by a bound.
+    `coefficients` contains estimate, standard error, df, t, p and interval for each column of X. `terms` contains F for
+    each factor, covariate and interaction, averaged over the others. Standard deviations are in the unit of the
+    dependent value; `log_likelihood` is restricted (for `censored_model` unrestricted). `notes` are
+    warnings for the reader. `n_censored` of the `n` values are known only by a bound.
     """
 
     coefficients: pd.DataFrame
@@ -97,27 +95,27 @@ def mixed_model(
     Parameters
     ----------
     factors : sequence of str
-        Columns whose values are categories; the first value is the base, or the one that `base` names.
+        Columns of categories. The base level is the first value, or the one named in `base`.
     covariates : sequence of str
-        Columns of numbers, such as the logarithm of the measured force.
+        Numeric columns, such as the logarithm of the measured force.
     interactions : bool
-        Whether factors and covariates interact (all orders).
+        Whether to include all interactions of factors and covariates.
 
     Raises
     ------
     InvalidParameter
-        For unknown columns, fewer than two participants, a base that is not a level, and terms that the data cannot
-        separate. As `UndefinedStatistic`, with its status: for values that are not finite (naming the row), constant
-        values, values without error, and a factor with one level.
+        For unknown columns, fewer than two participants, a base that is not a level, or terms that the data cannot
+        separate. `UndefinedStatistic` is raised for values that are not finite (naming the row), constant values,
+        values without error, or a factor with one level.
 
     Notes
     -----
-    Cells may be missing: the design need not be complete. The model assumes that they are missing at random, which is
-    not true of a censored threshold. t and F have the degrees of freedom of a balanced design. For terms that vary
-    within participants this is the number of values minus participants minus coefficients of such terms. For terms
-    that vary only between participants it is the number of participants minus their coefficients and the intercept.
-    A random intercept assumes that the differences of all conditions have equal variances (sphericity);
-    `anova.repeated_measures` does not.
+    Cells may be missing: the design need not be complete. The model assumes that they are missing at random, which does
+    not hold for censored thresholds. t and F have the degrees of freedom of a balanced design. For terms that vary
+    within participants, these are the number of values minus the number of participants minus the number of such
+    coefficients. For terms that vary only between participants, they are the number of participants minus the number of
+    such coefficients and 1. A random intercept implies that the differences between all conditions have equal variances
+    (sphericity). `anova.repeated_measures` does not assume this.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -132,7 +130,10 @@ def mixed_model(
     y = design.y / size
     centre, scale = float(y.mean()), float(y.std())
     refuse_constant(scale, float(np.abs(y).max()), dependent)
-    found, expected = "values that participants and terms explain exactly", "some error: F is undefined"
+    found, expected = (
+        "values that participants and terms explain exactly",
+        "values with some error, as F is undefined without error",
+    )
     expect_defined(_has_error(y, design), DesignStatus.ZERO_ERROR, dependent, found, expected)
     fit = _fit((y - centre) / scale, design)
     log_unit = (len(y) - len(fit.estimates)) * float(np.log(scale) + np.log(size))
@@ -143,7 +144,7 @@ def mixed_model(
 def _checked_rows(
     table: pd.DataFrame, dependent: str, factors: Sequence[str], covariates: Sequence[str], subject: str
 ) -> pd.DataFrame:
-    """Return the rows after checking that numeric columns are finite."""
+    """Return the rows, after checking that numeric columns are finite."""
     columns = [dependent, subject, *factors, *covariates]
     expect(len(set(columns)) == len(columns), "mixed_model", ", ".join(columns), "each column once")
     data = finite_rows(table, columns, dependent, "mixed_model")
@@ -159,11 +160,11 @@ def _checked_rows(
 class ModelDesign:
     """Design matrix with the values and participants of its rows.
 
-    `y` (row,) are values, `groups` (row,) indices of participants, and `x` (row, column) has the column `names`.
-    `terms` maps the name of each term to its columns.
+    `y` (row,) contains the values, `groups` (row,) the indices of participants, and `x` (row, column) has the column
+    `names`. `terms` maps the name of each term to its columns.
 
-    `averaged` has the same columns coded about the mean of each factor and covariate. The columns of a term then
-    describe its effect averaged over the others.
+    `averaged` contains the same columns, coded about the mean of each factor and covariate. The columns of a term then
+    describe its effect averaged over the other terms.
     """
 
     y: Array
@@ -212,7 +213,7 @@ def model_design(
     Raises
     ------
     InvalidParameter
-        As `mixed_model`; and if a base is not a level, or columns are linearly dependent.
+        As `mixed_model`. Also if a base is not a level, or columns are linearly dependent.
     """
     data = _checked_rows(table, dependent, factors, covariates, subject)
     single = {name: _codes(data, name, base.get(name)) for name in factors}
@@ -260,21 +261,21 @@ def _products(factors: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
 def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequence[int]]) -> None:
     norms = np.linalg.norm(x, axis=0)
     scaled = x / np.where(norms > 0, norms, 1.0)
-    for n in range(1, x.shape[1] + 1):  # column by column, to name the first that depends on those before it
+    for n in range(1, x.shape[1] + 1):  # column by column, to name the first dependent column
         if np.linalg.matrix_rank(scaled[:, :n], tol=TOLERANCE * n) < n:
             term = next((term for term, places in terms.items() if n - 1 in places), names[n - 1])
             raise InvalidParameter(
-                f"{term}: found that {names[n - 1]} follows from the terms before it, expected terms that the data "
-                "can separate; leave the term or the condition out"
+                f"{term}: found a column ({names[n - 1]}) that depends on earlier terms, expected terms that the data "
+                "can separate; remove the term or the condition"
             )
 
 
 def _has_error(y: Array, design: ModelDesign) -> bool:
-    """Return True if values vary beyond participant means and terms."""
+    """Return True if participants and terms do not explain the values exactly."""
     both = np.column_stack([design.x, y])
     within = both - _group_means(both, design.groups)[design.groups]
     x_within, y_within = within[:, :-1], within[:, -1]
-    # Columns that vary only between participants are rounding errors here; `rcond` keeps them small.
+    # Columns that vary only between participants are rounding errors here; `rcond` ignores them.
     residual = y_within - x_within @ np.linalg.lstsq(x_within, y_within, rcond=TOLERANCE)[0]
     return bool(np.abs(residual).max() > RELATIVE_ZERO * np.abs(y).max())
 
@@ -286,7 +287,7 @@ def _group_means(columns: Array, groups: Indices) -> Array:
 
 @dataclass(frozen=True)
 class InterceptFit:
-    """Estimates for values (y - centre) / scale, not yet inflated."""
+    """Estimates for (y - centre) / scale, before inflation of variances."""
 
     estimates: Array
     covariance: Array
@@ -297,7 +298,7 @@ class InterceptFit:
 
 
 def _fit(y: Array, design: ModelDesign) -> InterceptFit:
-    """Return statsmodels' fit at the best ratio of the two variances."""
+    """Return statsmodels' fit at the best ratio of variances."""
     from scipy.optimize import minimize_scalar  # slow to load
     from statsmodels.regression.linear_model import OLS
     from statsmodels.regression.mixed_linear_model import MixedLM, MixedLMParams
@@ -307,22 +308,22 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
     def fitted(ratio: float) -> Any:
         start = MixedLMParams.from_components(alone.params, cov_re=np.array([[ratio]]))
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # MixedLM warns of a search without steps
+            warnings.simplefilter("ignore")  # ignore MixedLM's warning about a search without steps
             return model.fit(start_params=start, method="bfgs", maxiter=0)
 
-    fitted(1.0)  # MixedLM has no likelihood before its first fit
+    fitted(1.0)  # MixedLM computes a likelihood only after a first fit
 
     def log_likelihood(log_ratio: float) -> float:
         return float(model.loglike(np.exp([log_ratio / 2])))
 
-    # A grid comes first because the bounded search may end at a local maximum.
+    # Search a grid first, as the bounded search may end at a local maximum.
     grid = np.linspace(float(np.log(RATIOS[0])), float(np.log(RATIOS[1])), N_GRID)
     best = int(np.argmax([log_likelihood(log_ratio) for log_ratio in grid]))
     bounds = (grid[max(best - 1, 0)], grid[min(best + 1, N_GRID - 1)])
     summit = minimize_scalar(
         lambda log_ratio: -log_likelihood(log_ratio), bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
-    if best == 0:  # the smallest ratio of the grid is 0 up to rounding
+    if best == 0:  # the smallest ratio of the grid counts as 0
         return InterceptFit(alone.params, alone.cov_params(), 0.0, float(np.sqrt(alone.scale)), log_likelihood(grid[0]))
     fit = fitted(float(np.exp(summit.x)))
     n = len(fit.fe_params)
@@ -333,9 +334,9 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
 def described_model(
     design: ModelDesign, fit: InterceptFit, unit: tuple[float, float], interval: float, n_censored: int = 0
 ) -> MixedModel:
-    """Return a fit in the unit of y.
+    """Convert a fit to the unit of y.
 
-    `unit` is (centre, scale). The log-likelihood of the fit is already in that unit.
+    `unit` is (centre, scale). The log-likelihood is already in the unit of y.
     """
     inflation = float(np.sqrt(fit.inflation))
     return MixedModel(
@@ -372,8 +373,8 @@ def _coefficients(design: ModelDesign, fit: InterceptFit, unit: tuple[float, flo
 
 
 def _terms(design: ModelDesign, fit: InterceptFit) -> pd.DataFrame:
-    """Return Wald's F of each term, averaged over the others (type III)."""
-    # Refit in the averaged codes: with treatment codes a main effect would apply at the base of the other factors.
+    """Return Wald F of each term, averaged over the others (type III)."""
+    # Refit with averaged codes: with treatment codes, a main effect would refer to the base levels of other factors.
     turn = np.linalg.lstsq(design.averaged, design.x, rcond=None)[0]
     estimates, covariance = turn @ fit.estimates, turn @ fit.covariance @ turn.T
     rows = []

@@ -1,1 +1,1 @@
-"""Results for the group, for each dependent value and questionnaire."""
+"""Results of the group for each dependent variable and questionnaire."""

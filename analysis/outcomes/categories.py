@@ -1,4 +1,4 @@
-"""Number of participants by their answers to questions with choices."""
+"""Numbers of participants by answer to categorical questions."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ COLUMNS = ("form", "item", "question", "code", "category", "n")
 
 
 def categories(trials: Trials) -> pd.DataFrame:
-    """Return the number of participants in each category of each question, by their last answers."""
+    """Return numbers of participants by question and category."""
     rows = asked_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
         return pd.DataFrame(columns=list(COLUMNS))

@@ -1,7 +1,7 @@
-"""Results for one dependent value: group table, primary analysis and checks, comparisons.
+"""Results for one dependent variable: primary analysis and checks.
 
-The primary analysis is the one that the plan names, else that of a rule, which uses the design and the known values but
-never their result. Other analyses are checks under other assumptions.
+The primary analysis is named in the plan. Otherwise a rule chooses it from the design and the missing values, never
+from a result. The other analyses are checks under different assumptions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,25 +30,25 @@ class Primary(StrEnum):
 
 TITLES = {
     Primary.ANOVA: "analysis of variance",
-    Primary.CENSORED: "analysis of variance of values and bounds",
+    Primary.CENSORED: "analysis of variance with censored values",
     Primary.PERMUTATION: "permutation test",
     Primary.MIXED_MODEL: "linear mixed model",
 }
 RULE = (
-    "an analysis of variance where every participant has a value in every condition, else its likelihood from all that "
-    "is known of all participants, in which a bound counts as a bound"
+    "an analysis of variance if every participant has a value in every condition, otherwise its maximum-likelihood "
+    "version with the values and bounds of all participants"
 )
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One dependent value of one task.
+    """Results for one dependent variable of one task.
 
-    `primary` is the analysis that answers, with a `reason`. The others are checks: `anova` of the largest complete part
-    (without `left_out`) with its `status` and assumptions (`checks`), `censored` of all known values, a `permutation`
-    test, a mixed `model` by the measured force. `pairs`, `equivalence`, `group_pairs` (by factor), `simple` and
-    `simple_pairs` (the first factor at each value of the second) belong to the primary analysis. What could not be
-    computed is None, and `notes` state why.
+    `primary` names the primary analysis, chosen for the `reason`. The others are checks: `anova` of the largest
+    complete subset (without `left_out`) with `status` and tested assumptions (`checks`), `censored` of all values and
+    bounds, a `permutation` test, and a mixed `model` of the measured force. `pairs`, `equivalence`, `group_pairs` (by
+    factor), `simple` and `simple_pairs` (the first factor at each value of the second) belong to the primary analysis.
+    A result that could not be computed is None; `notes` give the reason.
     """
 
     task: str
@@ -80,18 +80,18 @@ class Outcome:
         return tuple(self.group.columns[: self.group.columns.get_loc("mean")])
 
     def noted(self, *notes: str) -> "Outcome":
-        """Return the outcome with further notes."""
+        """Return a copy with further notes."""
         return replace(self, notes=(*self.notes, *notes))
 
     def unit(self, of_levels: str) -> str:
-        """Return the unit of the dependent value; a difference in decibels has no reference."""
+        """Return the unit of the dependent variable."""
         if self.task in RESULTS and not RESULTS[self.task].in_levels:
             return ""
         return of_levels.partition(" re ")[0] if self.dependent in DIFFERENCES else of_levels
 
     @property
     def effects(self) -> pd.DataFrame | None:
-        """Table of the primary analysis."""
+        """Table of effects of the primary analysis."""
         return None if self.primary is None else self.analyses()[self.primary]
 
     def analyses(self) -> dict[Primary, pd.DataFrame]:
@@ -106,10 +106,10 @@ class Outcome:
 
     def title(self, name: Primary) -> str:
         """Return the title of an analysis."""
-        # Without a factor within, groups are compared by one value of each participant.
+        # Without a within-participants factor, each participant has one value.
         kind = ("mixed" if self.within else "between-groups") if self.between else "repeated-measures"
         if name is Primary.ANOVA:
-            which = f" of the largest complete part, without {', '.join(self.left_out)}" if self.left_out else ""
+            which = f" of the largest complete subset, without {', '.join(self.left_out)}" if self.left_out else ""
             return f"{kind} {TITLES[name]}{which}"
         return {
             Primary.CENSORED: f"{kind} {TITLES[name]}",
@@ -140,7 +140,7 @@ class Outcome:
         return {key: table for key, table in by_file.items() if table is not None and len(table)}
 
     def roles(self) -> pd.DataFrame:
-        """Return which analysis is the primary one, and which are checks."""
+        """Return the table of analyses that marks the primary one and the checks."""
         rows = []
         for name in self.analyses():
             role, reason = ("primary", self.reason) if name is self.primary else ("check", "")
@@ -151,19 +151,19 @@ class Outcome:
 def primary_analysis(
     named: str | None, *, is_whole: bool, between: str | None = None, within: Sequence[str] = ()
 ) -> tuple[Primary, str]:
-    """Return the primary analysis, and the reason.
+    """Return the primary analysis and the reason for it.
 
     >>> primary_analysis(None, is_whole=False)
-    (<Primary.CENSORED: 'censored_anova'>, 'by the rule: values are missing or bounds')
+    (<Primary.CENSORED: 'censored_anova'>, 'by default: values are missing or censored')
     >>> primary_analysis(None, is_whole=True, between="group")[1]
-    'by the rule: every participant has a value, and group differs between participants'
+    'by default: every participant has a value, and group differs between participants'
     >>> primary_analysis("permutation", is_whole=True)
-    (<Primary.PERMUTATION: 'permutation'>, 'named by the plan of analysis')
+    (<Primary.PERMUTATION: 'permutation'>, 'named in the analysis plan')
     """
     if named is not None:
-        return Primary(named), "named by the plan of analysis"
+        return Primary(named), "named in the analysis plan"
     if is_whole:
         where = " in every condition" if within or between is None else ""
         groups = "" if between is None else f", and {between} differs between participants"
-        return Primary.ANOVA, f"by the rule: every participant has a value{where}{groups}"
-    return Primary.CENSORED, "by the rule: values are missing or bounds"
+        return Primary.ANOVA, f"by default: every participant has a value{where}{groups}"
+    return Primary.CENSORED, "by default: values are missing or censored"

@@ -22,19 +22,19 @@ from ..threshold.status import Status
 from ..wording import condition_name, interval_text, number_text
 
 MOST_CELLS = 500
-"""More cells take too long for a report; `fit_hierarchical` has no such bound."""
+"""Largest number of cells fitted for a report, as more take too long; `fit_hierarchical` has no limit."""
 ALL = "condition"
 WITHOUT_LAPSES = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0, "scale_free_width": False}
-"""Comparisons have the probit model as published (Moscatelli, Mezzetti and Lacquaniti 2012), without lapses."""
+"""Comparisons use the published probit model (Moscatelli, Mezzetti and Lacquaniti 2012), without lapses."""
 OTHER_MODEL = (
-    "no test of effects: this model of comparisons has asymptotes of 0 and 1, the fits of single participants "
-    "have free ones, so that points of equality and just noticeable differences differ where a level is not always felt"
+    "no test of effects: this model of comparisons has asymptotes of 0 and 1, while the fits of single participants "
+    "have free asymptotes. Points of equality and just noticeable differences differ if a level is sometimes not felt"
 )
 
 
 @dataclass(frozen=True)
 class HierarchicalOutcome:
-    """Hierarchical fit of a task, with tables and effects by factors; or None with the reason in `note`."""
+    """Hierarchical fit of a task; without a fit, `note` is the reason."""
 
     task: str
     fit: HierarchicalFit | None
@@ -55,21 +55,24 @@ def group_fit(
     unit: str,
     fits: Mapping[Cell, ThresholdFit] = MappingProxyType({}),
 ) -> HierarchicalOutcome | None:
-    """Fit the cells of one task; None for fewer than two participants. `fits` are reused for the same curve."""
+    """Fit the cells of one task jointly; None for fewer than two participants.
+
+    Existing `fits` of the same curve are reused.
+    """
     task = cells[0].task
     if len({cell.participant for cell in cells}) < 2:
         return None
     if len(cells) > MOST_CELLS:
-        return _no_outcome(task, f"{len(cells)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)")
+        return _no_outcome(task, f"{len(cells)} cells, a report fits at most {MOST_CELLS} (use fit_hierarchical)")
     n_choices = cells[0].n_choices
     if any(cell.n_choices != n_choices for cell in cells):
-        return _no_outcome(task, "conditions differ in the number of alternatives, and the model has one guess rate")
+        return _no_outcome(task, "conditions differ in the number of alternatives, but the model has one guess rate")
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
     table = count_table(cells, factors)
     if table.empty:
-        return _no_outcome(task, "no trial with a level")
+        return _no_outcome(task, "no trial has a level")
     n_levels = [len(cell.levels) for cell in cells]
-    # A fit needs a factor: without a varied one all cells have the same condition.
+    # The fit requires a factor: if none varies, all cells share one condition.
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
     places = [factors.index(name) for name in varied]
     conditions_of = {cell: tuple(cell.condition[place] for place in places) or ("all",) for cell in fits}
@@ -110,13 +113,13 @@ def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.D
 
 
 def _with_difference(table: pd.DataFrame) -> pd.DataFrame:
-    """Add the just noticeable difference, a fixed part of the width."""
+    """Add the just noticeable difference, a fixed fraction of the width."""
     names = {"jnd": "width", "jnd_low": "width_low", "jnd_high": "width_high"}
     return table.assign(**{ours: table[width] * DIFFERENCE_PER_WIDTH for ours, width in names.items()})
 
 
 def _effects(fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> tuple[dict[str, FactorEffect], str]:
-    """Return main effects and interactions within participants, or the reason for none."""
+    """Return effects within participants, or the reason for none."""
     between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
     if between:
         return {}, f"no test of effects: {', '.join(between)} does not vary within participants"
@@ -128,11 +131,11 @@ def _effects(fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -
     try:
         return {" * ".join(factors): fit.effect(*factors) for factors in factors_of}, ""
     except InvalidParameter:
-        return {}, "no test of effects: the conditions are no complete factorial"
+        return {}, "no test of effects: the conditions do not form a complete factorial"
 
 
 def _text(row: "pd.Series[Any]") -> str:
-    """Return the threshold with its interval, or the side of the levels on which it lies."""
+    """Format the threshold with its interval, or as a bound."""
     low, high = row["interval_low"], row["interval_high"]
     if pd.notna(row["threshold"]):
         return interval_text(row["threshold"], low, high)

@@ -1,4 +1,4 @@
-"""Compute the `Outcome` of a table of estimates: each analysis that its design allows."""
+"""Computation of the `Outcome` of a table of estimates."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,14 +24,14 @@ from .findings import FORCE, TITLES, Outcome, Primary, primary_analysis
 
 MEASURED = "log2 of the measured force"
 PERMUTATION_SEED = 20_170_522
-"""Seed of the permutation test with many participants, so that equal data give equal reports."""
+"""Seed of permutation tests with many participants, so that equal data yield equal reports."""
 SUBJECT = "participant"
 INTERVAL = 0.95
 
 
 @dataclass(frozen=True)
 class EstimateDesign:
-    """Estimates with their bounds, and the factors with two levels that vary within or between participants."""
+    """Estimates with bounds, and factors within or between participants."""
 
     table: pd.DataFrame
     dependent: str
@@ -42,7 +42,7 @@ class EstimateDesign:
     def of(cls, estimates: pd.DataFrame, factors: Sequence[str], dependent: str) -> "EstimateDesign":
         varied = [name for name in factors if estimates[name].nunique() > 1]
         fixed = [name for name in varied if estimates.groupby(SUBJECT)[name].nunique().max() < 2]
-        apart = len(fixed) == 1  # no analysis has a model of several factors between participants
+        apart = len(fixed) == 1  # no analysis supports several between-participants factors
         within = tuple(name for name in varied if not (apart and name in fixed))
         return cls(bounds_of(estimates, dependent), dependent, within, fixed[0] if apart else None)
 
@@ -76,8 +76,9 @@ def outcome(
 ) -> Outcome:
     """Analyse `dependent` in a table of estimates.
 
-    `forces` has the applied force of each participant and condition, `bounds` the equivalence bound of each factor;
-    `primary` names the primary analysis, else the rule does. Without `compared`, pairs and simple effects are omitted.
+    `forces` contains the applied force of each participant and condition, `bounds` the equivalence bound of each
+    factor. `primary` names the primary analysis; by default a rule chooses it. Without `compared`, pairs and simple
+    effects are omitted.
     """
     design = EstimateDesign.of(table, factors, dependent)
     group = group_table(table, factors, dependent)
@@ -90,7 +91,7 @@ def outcome(
         result = _with_censored(result, design, factors)
     if forces is not None and FORCE in design.within:
         result = _with_model(result, design, forces)
-    if design.factors:  # last, as an analysis without a result cannot be the primary one
+    if design.factors:  # last, as only an analysis with a result can be primary
         result = _with_losses(_with_primary(result, primary, is_whole=design.is_whole))
     if not compared:
         return result
@@ -102,7 +103,7 @@ def outcome(
 
 
 def _complete_part(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str, ...]]:
-    """Return the largest complete part, or notes why there is none."""
+    """Return the largest complete subset, or notes on why there is none."""
     within = design.within
     if not design.factors:
         return None, ("no analysis of variance: no factor has two levels",)
@@ -112,18 +113,18 @@ def _complete_part(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str,
     fixed = [name for name in within if n_levels[name] < 2]
     if fixed:
         return None, (f"no analysis of variance: {fixed[0]} does not vary within participants",)
-    if not within:  # the participants of groups that have a value
+    if not within:  # only groups: keep the participants with a value
         known = design.table[design.dependent].notna()
         left_out = tuple(f"participant {code}" for code in design.table[SUBJECT][~known])
         return SubDesign(design.table[known], (), left_out), ()
     largest = largest_complete(design.table, within=within, **design.arguments)
     if largest is None:
-        return None, ("no analysis of variance: no three participants share two conditions with a value",)
+        return None, ("no analysis of variance: fewer than 3 participants have a value in the same 2 conditions",)
     return largest, ()
 
 
 def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *, permuted: bool) -> Outcome:
-    """Add the analysis of variance of a complete part, its assumptions, and a permutation test if needed."""
+    """Add the ANOVA of the complete subset, and a permutation test if needed."""
     within, arguments = list(complete.within), design.arguments
     result = replace(result, left_out=complete.left_out)
     try:
@@ -137,13 +138,13 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
     result = replace(result, checks=checks(complete.table, anova, within=within, **arguments))
     if not (permuted or status is DesignStatus.SINGULAR):
         return result
-    # Exact for few participants; the generator draws for more.
+    # The test is exact for few participants and uses the generator for more.
     rng = np.random.default_rng(PERMUTATION_SEED)
     return replace(result, permutation=permutation_test(complete.table, within=within, rng=rng, **arguments))
 
 
 def _anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
-    if not within:  # with all values known it equals the analysis of variance
+    if not within:  # if all values are known, it equals the analysis of variance
         return _censored_anova(design, table, within).table
     if design.between is None or table[design.between].nunique() < 2:
         return repeated_measures(table, within=within, **design.arguments)
@@ -151,7 +152,7 @@ def _anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -
 
 
 def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[str]) -> Outcome:
-    """Add the analysis of all known values; the group's means are then those of its model."""
+    """Add the analysis with censored values, and its group means."""
     if len(design.within) > MAX_FACTORS:
         return result
     kept: SubDesign | None = SubDesign(design.table, (), ())
@@ -159,21 +160,21 @@ def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[st
         options: dict[str, Any] = {"between": design.between, "at_least": MIN_KNOWN}
         kept = largest_known(design.table, within=design.within, **design.arguments, **options)
     if kept is None:
-        note = f"no analysis of bounds: no two conditions have {MIN_KNOWN} participants with a value"
+        note = f"no analysis with censored values: fewer than 2 conditions have {MIN_KNOWN} participants with a value"
         return result.noted(note)
     try:
         censored = _censored_anova(design, kept.table, kept.within)
     except InvalidParameter as refusal:
-        return result.noted(f"no analysis of bounds: {reason_of(refusal)}")
+        return result.noted(f"no analysis with censored values: {reason_of(refusal)}")
     means = censored.means()
-    # A factor with a single level left has the means of that level.
+    # A factor of which one level remains has the means of that level.
     means = means.assign(**{name: kept.table[name].iloc[0] for name in factors if name not in means.columns})
     group = group_table(result.estimates, factors, result.dependent, model=means)
     notes = _count_notes(censored)
     if kept.left_out:
         names = f"leaves out {', '.join(kept.left_out)}"
-        why = f"fewer than {MIN_KNOWN} participants have a value in one of its conditions"
-        notes.append(f"the analysis of values and bounds {names}: {why}")
+        why = f"in some of its conditions, fewer than {MIN_KNOWN} participants have a value"
+        notes.append(f"the analysis with censored values {names}: {why}")
     return replace(result.noted(*notes), censored=censored, group=group, cross=cross_table(group, factors))
 
 
@@ -183,7 +184,7 @@ def _censored_anova(design: EstimateDesign, table: pd.DataFrame, within: Sequenc
 
 
 def _count_notes(model: CensoredAnova) -> list[str]:
-    """Return a note of how unknown values count."""
+    """Return a note on how the analysis treats unknown values."""
     data = model.design.data
     n_intervals = int((~data.known & np.isfinite(data.low) & np.isfinite(data.high)).sum())
     kinds = [
@@ -192,11 +193,11 @@ def _count_notes(model: CensoredAnova) -> list[str]:
         (model.design.n_missing, "as missing at random", "as missing at random"),
     ]
     counts = [f"{n} value{'s' if n > 1 else ''} {many if n > 1 else one}" for n, one, many in kinds if n]
-    return [f"the analysis of values and bounds counts {' and '.join(counts)}"] if counts else []
+    return [f"the analysis with censored values treats {' and '.join(counts)}"] if counts else []
 
 
 def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -> Outcome:
-    """Add a mixed model with the measured force instead of its target."""
+    """Add a mixed model with the measured force in place of the target force."""
     keys = [SUBJECT, *design.factors]
     measured = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
     data = design.table.merge(measured[measured["force_mean_n"] > 0], on=keys, how="inner")  # 0 has no logarithm
@@ -209,14 +210,14 @@ def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -
         model = fit(data, factors=factors, covariates=[MEASURED], **design.arguments)
     except InvalidParameter as refusal:
         return result.noted(f"no mixed model: {reason_of(refusal)}")
-    title = " * ".join([*factors, MEASURED]) + ", participants at random"
+    title = " * ".join([*factors, MEASURED]) + ", random intercept of participants"
     return replace(result, model=model, model_title=title)
 
 
 def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
     primary, reason = primary_analysis(named, is_whole=is_whole, between=result.between, within=result.within)
     if primary not in result.analyses():
-        if not result.analyses() and named in (None, Primary.ANOVA):  # a note states the reason already
+        if not result.analyses() and named in (None, Primary.ANOVA):  # a note already states the reason
             return result
         note = f"no primary analysis: {TITLES[primary]} ({reason}) has no result"
         return result.noted(note)
@@ -224,20 +225,20 @@ def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outc
 
 
 def _with_losses(result: Outcome) -> Outcome:
-    """Name what the analysis of the complete part leaves out."""
+    """Add a note on what the analysis of the complete subset leaves out."""
     if result.anova is None or not result.left_out:
         return result
     is_primary = result.primary in (Primary.ANOVA, Primary.PERMUTATION)
     which, chance = "the analysis of variance, a check,", ""
     if is_primary:
-        which, chance = "the primary analysis", "; that is at random only if bounds are"
-    note = f"{which} leaves out {', '.join(result.left_out)}: it needs a value in every condition{chance}"
+        which, chance = "the primary analysis", ". This is unbiased only if values are out of range at random"
+    note = f"{which} leaves out {', '.join(result.left_out)}, as it needs a value in every condition{chance}"
     return result.noted(note)
 
 
 @dataclass(frozen=True)
 class _Comparison:
-    """Functions of an analysis that compare conditions and groups in a part of the table."""
+    """Functions that compare conditions in the same way as an analysis."""
 
     effects: pd.DataFrame
     kept: SubDesign
@@ -270,7 +271,7 @@ def _comparison_of_complete(design: EstimateDesign, effects: pd.DataFrame, compl
             return group_pairs(table, between=factor, by=by, **design.arguments)
         if by is None or by != design.between:
             return pairs(table, factor=factor, by=by, **design.arguments)
-        # Groups have other participants, so that `by` is no factor within: each alone, then one correction.
+        # Groups differ in participants: compare within each group, then correct for all pairs at once.
         of_groups = []
         for value, members in table.groupby(by, sort=True):
             alone = pairs(members, factor=factor, correction="none", **design.arguments)

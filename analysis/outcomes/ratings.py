@@ -1,4 +1,4 @@
-"""Questionnaires of a data set with scores, tables and comparisons."""
+"""Questionnaires of a data set: scores, tables and comparisons."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,10 +22,11 @@ PATTERN, REFERENCE = "pattern", "P0"
 
 @dataclass(frozen=True)
 class Ratings:
-    """One questionnaire: `scores` per participant and condition, `summary` over participants, `profile` per item.
+    """Results of one questionnaire.
 
-    `portfolio` with pragmatic and hedonic quality; where the thesis's patterns were rated, its comparisons (`crossed`,
-    `against`) and `grouped` profile, else an outcome for each dimension.
+    `scores` are by participant and condition, `summary` is over participants, `profile` is by item. `portfolio` is set
+    if the questionnaire has pragmatic and hedonic quality. If the thesis's patterns were rated, its comparisons
+    (`crossed`, `against`) and the `grouped` profile are set, otherwise an outcome for each dimension.
     """
 
     form: Questionnaire
@@ -46,7 +47,7 @@ class Ratings:
 
     @property
     def stem(self) -> str:
-        """Start of its file names."""
+        """Beginning of the file names of the tables."""
         return self.name.replace("-", "_")
 
     def tables(self) -> dict[str, pd.DataFrame]:
@@ -63,24 +64,24 @@ class Ratings:
             f"{stem}_against_{REFERENCE}": self.against,
         }
         known = {name: table for name, table in tables.items() if table is not None}
-        # Effects and comparisons of all dimensions together.
+        # Effects and comparisons of all dimensions share a table.
         by_file: dict[str, list[pd.DataFrame]] = {}
         for dimension, one in self.outcomes.items():
             for name, table in one.tables(stem).items():
-                if not name.startswith(("group_", "cross_")):  # the summary has the means of all dimensions
-                    of_dimension = table.copy()  # the outcome keeps its own table as it is
+                if not name.startswith(("group_", "cross_")):  # the summary already contains the means
+                    of_dimension = table.copy()  # do not modify the table of the outcome
                     of_dimension.insert(0, "dimension", dimension)
                     by_file.setdefault(f"{stem}_{name.replace(f'_{stem}', '', 1)}", []).append(of_dimension)
         return known | {name: pd.concat(tables, ignore_index=True) for name, tables in by_file.items()}
 
     @property
     def tests_effects(self) -> bool:
-        """Return True if anything was tested by F."""
+        """Return True if any F test was computed."""
         return self.crossed is not None or any(one.primary is not None for one in self.outcomes.values())
 
     @property
     def notes(self) -> list[str]:
-        """Notes of the outcomes; those of all dimensions once."""
+        """Notes of the outcomes, each listed once with its dimensions."""
         dimensions_of: dict[str, list[str]] = {}
         for dimension, one in self.outcomes.items():
             for note in one.notes:
@@ -92,26 +93,26 @@ class Ratings:
         return notes
 
     def _score_notes(self) -> list[str]:
-        """Return notes on scores without a condition, which in a study without factors are normal."""
+        """Return notes on scores without a condition, in studies with factors."""
         known = self.scores[list(self.factors)].notna().all(axis="columns")
         is_apart = ~known if self.factors else known
         n_apart = int(is_apart.sum()) if self.factors else 0
         n_averaged = int((is_apart & (self.scores["n_answered"] > len(self.form.items))).sum())
         of_all, notes = f"of {len(self.scores)} scores", []
         if n_apart:
-            where = f"it was answered outside of the conditions, and is compared with none ({self.stem}_scores.csv)"
+            where = f"answered outside the conditions, so not compared ({self.stem}_scores.csv)"
             notes.append(f"{n_apart} {of_all} without a condition: {where}")
         if n_averaged:
-            why = "each is a mean of answers that were given at several times, as before and after the blocks"
-            notes.append(f"{n_averaged} {of_all}: {why}; analyse them separately")
+            why = "each averages answers given at several times (such as before and after the blocks)"
+            notes.append(f"{n_averaged} {of_all}: {why}. Analyse them separately")
         return notes
 
     def cross(self) -> pd.DataFrame:
-        """Return means with intervals as text, conditions down and dimensions across."""
+        """Return means with intervals as text, conditions by dimensions."""
         decimals = decimals_of(self.form.score_high - self.form.score_low)
         long = self.summary.assign(text=[_mean_text(row, decimals) for _, row in self.summary.iterrows()])
         wide = long.pivot(index="condition", columns="dimension", values="text")
-        # Pivot sorts by name; conditions and dimensions keep their order in the summary and the form.
+        # Restore the order of conditions in the summary and of dimensions in the form after pivoting.
         return wide.loc[list(dict.fromkeys(long["condition"])), list(self.form.dimensions)].reset_index()
 
 
@@ -124,7 +125,7 @@ def _mean_text(row: "pd.Series[Any]", decimals: int) -> str:
 
 
 def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
-    """Return the ratings of each questionnaire with an answer; `primary` as for `outcome`."""
+    """Return results of each answered questionnaire; `primary` as `outcome`."""
     return tuple(
         _ratings(_rows_of_forms(rows, trials.factors), trials.factors, form, primary)
         for form, rows in asked_forms(trials)
@@ -133,19 +134,19 @@ def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
 
 
 def asked_forms(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
-    """Return the questionnaires that were presented, each with its rows."""
+    """Return each questionnaire that was presented, with its rows."""
     rows = asked_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
         return []
     forms = forms_of(trials.path)
     rows = rows[(rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)]
-    # An empty text is no level, as is an empty number.
+    # An empty text is a missing level.
     rows = rows.assign(**{name: rows[name].mask(rows[name].astype(object) == "") for name in trials.factors})
     return [(forms[str(name)], answers) for name, answers in rows.groupby("procedure")]
 
 
 def _rows_of_forms(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the answers, and the questions of conditions without any answer, whose scores are missing."""
+    """Return answered rows, and rows of conditions without any answer."""
     answered = rows["response"] != ""
     cells = [rows[name] for name in ("participant", *factors)]
     return rows[answered | ~answered.groupby(cells, dropna=False).transform("any").astype(bool)]
@@ -176,13 +177,13 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, pr
 
 
 def form_scores(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire) -> pd.DataFrame:
-    """Score the answers to a questionnaire by the factors that vary."""
+    """Score a questionnaire in each combination of the factors that vary."""
     varied = [factor for factor in factors if rows[factor].nunique() > 1]
     return scores(rows, questionnaire=form, within=varied)
 
 
 def are_patterns(levels: Mapping[str, Collection[object]]) -> bool:
-    """Return True if the varied factors are the patterns of the thesis, which has its own comparisons.
+    """Return True if the only varied factor contains the thesis's patterns.
 
     >>> are_patterns({"pattern": ["P0", *THESIS]}), are_patterns({"pattern": ["P1", "P2"]})
     (True, False)
@@ -191,12 +192,12 @@ def are_patterns(levels: Mapping[str, Collection[object]]) -> bool:
 
 
 def score_outcome(scored: pd.DataFrame, factors: Sequence[str], dimension: str, primary: str | None) -> Outcome:
-    """Compare the conditions in the score of a dimension."""
-    named = None if primary == Primary.MIXED_MODEL else primary  # scores have no measured force
+    """Compare the scores of a dimension between conditions."""
+    named = None if primary == Primary.MIXED_MODEL else primary  # scores have no measured force for a mixed model
     return outcome(scored, factors, FORM_TASK, dimension, primary=named)
 
 
 def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Add the conditions as text in one column."""
+    """Add a text column `condition`."""
     rows = table[list(factors)].itertuples(index=False, name=None)
     return table.assign(condition=[condition_name(factors, row) for row in rows])

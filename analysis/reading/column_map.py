@@ -1,4 +1,4 @@
-"""Translation of other programs' tables to our columns and values."""
+"""Translation of other programs' tables to Tactometry's."""
 
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
@@ -20,31 +20,31 @@ from .rows import expect_column, holds
 from .unfolded import POSITIVE, TOTAL, counted_trials, survey_answers, with_responses
 
 NEEDED = ("participant", "level", "task", "response", POSITIVE, TOTAL)
-"""Required columns."""
+"""Columns that every table must contain."""
 
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """Rules for another program's table, with values compared as text.
+    """Rules that translate another program's table, compared as text.
 
     Parameters
     ----------
     columns : mapping of str to str
-        From our column name to theirs. ``n_positive`` and ``n_trials`` name the counts in a table with one row per
+        Maps our column names to theirs. ``n_positive`` and ``n_trials`` name the counts in a table with one row per
         level.
     constants : mapping of str to value
-        From our name of a missing column to its value in every row, for example ``n_alternatives = 2``.
+        Maps our name of a missing column to its value in every row, for example ``n_alternatives = 2``.
     values : mapping of str to mapping
-        From our column name to a translation of its values, theirs to ours. Other values are unchanged.
+        Maps our column name to a translation of its values (theirs to ours). Other values are unchanged.
     keep : mapping of str to list of str
-        From their column name to the values of rows that are trials. Other rows are omitted.
+        Maps their column name to the values that mark a row as a trial. Other rows are omitted.
     from_name : mapping of str to str
-        From our column name to the key in the file name that contains its value, for example ``sub`` in
+        Maps our column name to the key in the file name that precedes its value, for example ``sub`` in
         ``sub-01_ses-2_beh.tsv``. A pattern with a star for the value also works: ``P*``, ``_subject_*_``, or ``*`` for
         the whole name.
     units : mapping of str to str
-        From our column name to the unit in the file: ``latency_s = "ms"`` divides by 1000. Levels are converted to the
-        SI unit, which becomes `level_unit`. So are standards and settings without a separate unit.
+        Maps our column name to the unit in the file: ``latency_s = "ms"`` divides by 1000. Levels, and standards and
+        settings without a unit of their own, are converted to the SI unit, which becomes `level_unit`.
     level_scale : str
         Axis of the fits: ``linear``, ``log10`` or ``db``, applied to the levels after `units`.
     missing : list of str
@@ -75,16 +75,21 @@ class ColumnMap:
     def __post_init__(self) -> None:
         expect(self.decimal in (".", ","), "decimal", repr(self.decimal), "'.' or ','")
         is_other = len(self.separator) <= 1 and (self.decimal == "." or self.separator not in ("", ","))
-        expect(is_other, "separator", repr(self.separator), "one sign, and another than the decimal sign")
+        expect(is_other, "separator", repr(self.separator), "one character that differs from the decimal sign")
         sources = ("columns", "constants", "from_name")
         for name in {**self.columns, **self.constants, **self.from_name}:
             of = [source for source in sources if name in getattr(self, source)]
-            expect(len(of) == 1, name, f"it in {' and '.join(of)}", "it in one of them")
+            expect(len(of) == 1, name, f"definitions in {' and '.join(of)}", "a definition in one of them")
         for name, unit in self.units.items():
             symbol, _ = si_unit(unit, f"units.{name}")
             suffix = unit_suffix(name)
             of_name = symbol if suffix is None else units(suffix)[0]
-            expect(of_name == symbol, f"units.{name}", f"{unit!r}, which is in {symbol}", f"a unit of {of_name}")
+            expect(
+                of_name == symbol,
+                f"units.{name}",
+                f"{unit!r}, a unit of {symbol}",
+                f"a unit of {of_name}, as in the column's name",
+            )
 
 
 def read_column_map(path: str | Path) -> ColumnMap:
@@ -100,7 +105,7 @@ def read_column_map(path: str | Path) -> ColumnMap:
 
 
 def _plain(value: Any) -> Any:
-    """Return the texts of a key as `text_cells` reads those of tables."""
+    """Normalise the texts of a key as `text_cells` normalises tables."""
     if isinstance(value, Mapping):
         return {trimmed(plain_text(name)): _plain(held) for name, held in value.items()}
     if isinstance(value, tuple):
@@ -115,9 +120,9 @@ def translate(
     elsewhere: Container[str] = (),
     warn: Callable[[str], None] = lambda note: None,
 ) -> pd.DataFrame:
-    """Translate a table of text to our columns and values.
+    """Translate a table of text to Tactometry's columns and values.
 
-    Columns that other tables have `elsewhere` may be missing, and are then empty.
+    Optional columns in `elsewhere` (those of the other tables) may be missing here and are then empty.
 
     Raises `InvalidFile` if the map names a missing column or one column twice, or no row is a trial.
     """
@@ -125,7 +130,7 @@ def translate(
         return raw
     for note in _unkept_notes(raw, column_map, file):
         warn(note)
-    # Their names and values apply first: `keep` and `missing` refer to the file's own text.
+    # Before renaming, as `keep` and `missing` refer to the text in the file.
     whole = raw.assign(**dict.fromkeys(_optional(raw, column_map, elsewhere), ""))
     table = _with_our_names(_with_our_signs(_trial_rows(whole, column_map, file), column_map), column_map, file)
     if column_map.decimal == ",":
@@ -137,21 +142,21 @@ def translate(
 
 
 def _optional(raw: pd.DataFrame, column_map: ColumnMap, elsewhere: Container[str]) -> list[str]:
-    """Return their names of optional columns that only other tables have."""
+    """Return optional columns (their names) that only other tables have."""
     named = {theirs for ours, theirs in column_map.columns.items() if ours not in NEEDED}
     return sorted(theirs for theirs in named if theirs in elsewhere and theirs not in raw.columns)
 
 
 def missing_notes(tables: Mapping[Path, pd.DataFrame], column_map: ColumnMap) -> Iterator[str]:
-    """Warn of mapped columns that some of the tables lack."""
+    """Warn about mapped columns that some tables lack."""
     for ours, theirs in column_map.columns.items():
         lacking = [file.name for file, table in tables.items() if theirs not in table.columns]
         if lacking:
-            yield f"found no column {theirs!r} in {', '.join(lacking)}: {ours} is empty there"
+            yield f"found no column {theirs!r} in {', '.join(lacking)}, so {ours} is empty there"
 
 
 def _unkept_notes(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> Iterator[str]:
-    """Warn of omitted rows whose value differs from a kept one only in form."""
+    """Warn about omitted rows that differ from kept ones only in form."""
     for theirs, values in column_map.keep.items():
         kept = {_folded(value) for value in values}
         held = raw[theirs] if theirs in raw.columns else pd.Series(dtype=str)
@@ -166,7 +171,7 @@ def _folded(value: str) -> str:
 
 
 def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
-    """Return the participants that a table names in any row."""
+    """Return all participant codes in a table, even of omitted rows."""
     name = column_map.columns.get("participant", "participant")
     if name not in raw.columns or "participant" in (*column_map.constants, *column_map.from_name):
         return set()
@@ -178,7 +183,7 @@ def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
 def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
     """Return the rows with a level, an answer, an item or a catch trial.
 
-    Other programs also write rows for routines, which have none of these.
+    Other programs also write rows without any of these, for routines.
 
     Raises `InvalidFile` if there is no such row.
     """
@@ -187,7 +192,7 @@ def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
         if name in table.columns:
             is_trial |= table[name] != ""
     if not is_trial.any():
-        raise InvalidFile(f"{file}: found no row with a level, an answer or an item, expected trials")
+        raise InvalidFile(f"{file}: found no row with a level, an answer or an item, expected at least one trial")
     return table[is_trial]
 
 
@@ -210,36 +215,36 @@ def _trial_rows(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.Data
 
 
 def _with_our_signs(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
-    """Empty the cells of missing values, and use decimal points."""
+    """Replace missing values by "", and decimal commas by points."""
     table = raw.copy()
     for name in (name for name in raw.columns if name != "row"):
         if column_map.missing:
             table[name] = table[name].where(~table[name].isin(column_map.missing), "")
         if column_map.decimal == ",":
-            # Only in cells that are numbers: texts keep their commas.
+            # Only in numeric cells, as texts keep their commas.
             table[name] = table[name].str.replace(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", regex=True)
     return table
 
 
 def _refuse_thousands(table: pd.DataFrame, file: Path) -> None:
-    """Refuse numbers such as 6.125 with decimal commas: they may be 6125."""
+    """Raise for numbers such as 6.125, if they may mean 6125."""
     for name in (name for name in NUMBERS if name in table.columns):
         pointed = table[table[name].str.fullmatch(r"[+-]?\d*\.\d+")]
         if len(pointed) and pointed[name].str.fullmatch(r"[+-]?[1-9]\d{0,2}\.\d{3}").all():
             first = pointed.iloc[0]
             raise InvalidFile(
                 f"{file}, row {first['row']}, column {name!r}: found {first[name]!r}, expected a decimal comma, as the "
-                'column map states; take out points that group thousands, or write decimal = "."'
+                'column map states. Remove points that group thousands, or set decimal = "."'
             )
 
 
 def _with_our_names(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for ours, theirs in column_map.columns.items():
-        expect_column(raw, theirs, file, f", which the column map names for {ours!r}")
+        expect_column(raw, theirs, file, f", which the column map assigns to {ours!r}")
         if ours != theirs and ours in raw.columns:
-            raise InvalidFile(f"{file}: found the column {ours!r}, which the column map also names {theirs!r}")
+            raise InvalidFile(f"{file}: found a column {ours!r}, but the column map assigns {theirs!r} to this name")
     table = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
-    # One of their columns may be the source of several of ours, which renaming cannot express.
+    # One of their columns may be the source of several of ours; `rename` cannot duplicate columns.
     return table.assign(**{ours: raw[theirs] for ours, theirs in column_map.columns.items() if ours not in table})
 
 
@@ -249,15 +254,16 @@ def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
         value = re.search(_name_pattern(key), plain_text(file.stem))
         if value is None:
             raise InvalidFile(
-                f"{file}: found no {key if '*' in key else f'{key}-...'} in the file's name, expected it for {ours!r} "
-                '(from_name); a star marks the place of the code: "P*" in P01.csv, "_subject_*_" in x_subject_1_y.csv'
+                f"{file}: found no {key if '*' in key else f'{key}-...'} in the file name, expected the value "
+                f"of {ours!r} "
+                'there (from_name). A star stands for the value: "P*" in P01.csv, "_subject_*_" in x_subject_1_y.csv'
             )
         values[ours] = value[1]
     return values
 
 
 def shared_name_notes(files: Iterable[Path], column_map: ColumnMap) -> Iterator[str]:
-    """Warn of files whose names have one participant at the star."""
+    """Warn about files whose names contain the same participant code."""
     if "*" not in column_map.from_name.get("participant", ""):
         return
     by_code: dict[str, list[str]] = {}
@@ -265,7 +271,7 @@ def shared_name_notes(files: Iterable[Path], column_map: ColumnMap) -> Iterator[
         by_code.setdefault(_of_name(column_map, file)["participant"], []).append(file.name)
     for code, names in by_code.items():
         if len(names) > 1:
-            yield f"read as one participant, {code}, by from_name: {', '.join(names)}"
+            yield f"files read as one participant, {code} (from_name): {', '.join(names)}"
 
 
 def _name_pattern(key: str) -> str:
@@ -275,7 +281,7 @@ def _name_pattern(key: str) -> str:
     ('1', '01')
     """
     if "*" not in key:
-        # Anchored at the start or an underscore: the key "run" is none of "prerun-1".
+        # Anchored at the start or an underscore, so that the key "run" does not match "prerun-1".
         return rf"(?:^|_){re.escape(key)}-([A-Za-z0-9]+)"
     before, _, after = map(re.escape, key.partition("*"))
     return f"{before or '^'}(.+?){after or '$'}"
@@ -283,18 +289,19 @@ def _name_pattern(key: str) -> str:
 
 def _with_our_values(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for ours, meanings in column_map.values.items():
-        expect_column(table, ours, file, ", whose values the column map names")
+        expect_column(table, ours, file, ", whose values the column map translates")
         table[ours] = table[ours].replace({theirs: _text(value) for theirs, value in meanings.items()})
     return table
 
 
 def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
-    """Convert numbers to SI units; the later check reports other cells."""
+    """Convert numbers to SI units; other cells are reported later."""
     for name, unit in {**_units_of_levels(table, column_map), **column_map.units}.items():
-        expect_column(table, name, file, ", which the column map names in units")
+        expect_column(table, name, file, ", which is in [units] of the column map")
         symbol, factor = si_unit(unit, f"units.{name}")
         numbers = pd.to_numeric(table[name].str.strip(), errors="coerce")
-        in_si = numbers * factor if factor >= 1 else numbers / round(1 / factor)  # 812 ms are 0.812 s to the last digit
+        # division keeps 812 ms exactly 0.812 s
+        in_si = numbers * factor if factor >= 1 else numbers / round(1 / factor)
         scaled = [repr(float(number)) for number in in_si]
         table[name] = table[name].where(numbers.isna(), scaled)
         if name == "level":
@@ -303,7 +310,7 @@ def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFra
 
 
 def _units_of_levels(table: pd.DataFrame, column_map: ColumnMap) -> Mapping[str, str]:
-    """Return the unit of the levels for each column that contains levels."""
+    """Return the unit of each column that contains levels."""
     if "level" not in column_map.units:
         return {}
     are_settings = "task" in table.columns and set(table["task"]) <= set(SETTINGS)
@@ -315,6 +322,6 @@ def _level_unit(table: pd.DataFrame, symbol: str, file: Path) -> str:
     stated = sorted(set(table["level_unit"]) - {"", symbol}) if "level_unit" in table.columns else []
     if stated:
         raise InvalidFile(
-            f"{file}: found the level_unit {stated[0]!r}, expected {symbol!r}, to which units.level brings the levels"
+            f"{file}: found the level_unit {stated[0]!r}, expected {symbol!r}, the unit after conversion by units.level"
         )
     return symbol

@@ -1,4 +1,4 @@
-"""Warnings of contradicting columns and impossible values."""
+"""Warnings about contradictory columns and impossible values."""
 
 from collections.abc import Iterator
 
@@ -13,29 +13,29 @@ from .level_scale import is_logarithm
 from .rows import correctness, first_place, numbers_of
 
 CHOSEN = ("forced_choice", "localisation")
-"""Tasks whose correct response equals `target`."""
+"""Tasks in which the correct response equals `target`."""
 OF_SIGN = ("comparison", "adjustment", "same_different")
-"""Tasks whose levels may be differences, which have a sign in any unit."""
+"""Tasks whose levels may be signed differences in any unit."""
 
 FEWEST_CHOICES = 50
-"""Forced choices in which each alternative is expected to appear at least once."""
+"""Number of forced choices after which each alternative should have appeared at least once."""
 LONG_S = 60.0
-"""A median latency above this is most likely in milliseconds (unverified default)."""
+"""Median latency above which the values are most likely in milliseconds (unverified default)."""
 BELOW_CHANCE_P = 1e-4
-"""Probability of so few correct answers by guessing, below which the coding is doubted (unverified default)."""
+"""Probability of so few correct answers by guessing, below which a warning is issued (unverified default)."""
 
 
 def contradictions(rows: pd.DataFrame) -> Iterator[str]:
-    """Warn of contradicting columns, with the number of rows and the first."""
+    """Warn about contradictory columns, with the number of rows."""
     checks = (
-        (_wrong_correctness(rows), "a value of 'correct' other than 'response' and 'target' say; 'correct' was used"),
+        (_wrong_correctness(rows), "a value of 'correct' that contradicts 'response' and 'target'; 'correct' was used"),
         (_beyond_alternatives(rows), "a response or target above 'n_alternatives'; the stated number was used"),
-        (_signed_amplitudes(rows), "a negative level in a unit that is not a logarithm; see 'level' and 'level_unit'"),
-        (_unused_alternatives(rows), "an 'n_alternatives' above each response and target; the stated number was used"),
-        (_stated_guessing(rows), "an 'n_alternatives', which the task yes_no does not use; see 'task'"),
-        (_long_latencies(rows), "a 'latency_s' above a minute; if they are milliseconds, state it in [units]"),
-        (_below_chance(rows), "answers of participants who are right less often than by guessing; check 'correct'"),
-        (_column(rows, "latency_s") < 0, "a negative 'latency_s': the answer came before the question"),
+        (_signed_amplitudes(rows), "a negative level in a non-logarithmic unit; check 'level' and 'level_unit'"),
+        (_unused_alternatives(rows), "an 'n_alternatives' above every response and target; the stated number was used"),
+        (_stated_guessing(rows), "an 'n_alternatives', which the task yes_no does not use; check 'task'"),
+        (_long_latencies(rows), "a 'latency_s' above a minute; if these are milliseconds, state them in [units]"),
+        (_below_chance(rows), "answers of participants who score below chance; check 'correct'"),
+        (_column(rows, "latency_s") < 0, "a negative 'latency_s' (an answer before the question)"),
     )
     for mask, what in checks:
         if mask.any():
@@ -59,7 +59,7 @@ def _beyond_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def _unused_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Find rows with an alternative that was never chosen or the target.
+    """Find rows with an alternative never chosen and never the target.
 
     Only tables in which the target varies are examined.
     """
@@ -75,13 +75,13 @@ def _stated_guessing(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def _long_latencies(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Find latencies above `LONG_S`, if most are."""
+    """Find latencies above `LONG_S`, if the median is above it."""
     is_long = _column(rows, "latency_s") > LONG_S
     return is_long & (_column(rows, "latency_s").median() > LONG_S)
 
 
 def _below_chance(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Find forced choices of participants with a rate correct below chance."""
+    """Find forced choices of participants who score below chance."""
     known = rows[(rows["task"] == "forced_choice") & (rows["response"] != "")]
     right, n = correctness(known), _column(known, "n_alternatives").fillna(_chosen(known).max())
     by_code = pd.DataFrame({"right": right, "chance": 1 / n}).dropna().groupby(known["participant"])

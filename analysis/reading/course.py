@@ -1,4 +1,4 @@
-"""Interruptions and interventions in sessions, from their journals."""
+"""Interruptions and interventions in sessions."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -19,7 +19,7 @@ EVENT_COLUMNS: Final = ("participant", "session", "onset", "trial_type", "text")
 
 
 def sittings(known: Mapping[SessionKey, Sequence[Head]]) -> pd.DataFrame:
-    """Return the sittings of interrupted sessions, with changes between them."""
+    """Return the sittings of interrupted sessions, with changes."""
     rows = [
         (code, int(session), number, head.started_utc or "", head.begun_s, words)
         for (code, session), heads in known.items()
@@ -34,7 +34,7 @@ def _changes(heads: Sequence[Head]) -> list[str]:
 
 
 def happenings(path: Path) -> pd.DataFrame:
-    """Return the reported events of all sessions with their times (s).
+    """Return the events to report of all sessions, with their times (s).
 
     Raises `InvalidFile` if a file of events lacks a column.
     """
@@ -45,22 +45,22 @@ def happenings(path: Path) -> pd.DataFrame:
 def session_events(
     path: Path, columns: Sequence[str], read: Callable[[pd.DataFrame], pd.DataFrame]
 ) -> Iterator[pd.DataFrame]:
-    """Yield the result of `read` for the events (text) of each session.
+    """Yield the result of `read` for each session's event table.
 
     Raises `InvalidFile` if a file is damaged or lacks one of the columns.
     """
     for file in sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []:
         keys = keys_of(file.stem)
         try:
-            events = pd.read_csv(file, sep="\t", keep_default_na=False, quoting=3, dtype=str)  # 3: QUOTE_NONE
+            events = pd.read_csv(file, sep="\t", keep_default_na=False, quoting=3, dtype=str)  # csv.QUOTE_NONE
             yield read(events).assign(participant=keys["participant"], session=int(keys["session"]))
         except (KeyError, ValueError, OSError) as damage:
             expected = f"expected the columns {', '.join(columns)}"
-            raise InvalidFile(f"{file}: found no events ({damage}), {expected}") from None
+            raise InvalidFile(f"{file}: found a damaged file of events ({damage}), {expected}") from None
 
 
 def _reported(events: pd.DataFrame) -> pd.DataFrame:
-    """Return the reported events, with trial numbers in orders."""
+    """Return the events to report, with trial numbers inserted in their texts."""
     table = events[events["trial_type"].isin(REPORTED)]
     of_trial = (table["trial_type"] == "order") & (table["trial"] != "n/a")
     text = table["text"].where(~of_trial, table["text"] + " trial " + table["trial"])

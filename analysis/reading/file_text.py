@@ -1,4 +1,4 @@
-"""Decoded and normalised text of table files."""
+"""Reading of table files as decoded and normalised text."""
 
 import re
 import unicodedata
@@ -8,8 +8,8 @@ from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
 
 WORKBOOK = "an Excel workbook; save its sheet as CSV"
-PICKLE = "a Python pickle, as PsychoPy's .psydat; read its CSV file, or save one with saveAsWideText"
-UTF_16 = "UTF-16 text, as Excel's Unicode text; save the table as CSV in UTF-8"
+PICKLE = "a Python pickle such as PsychoPy's .psydat; use the CSV file, or save one with saveAsWideText"
+UTF_16 = "UTF-16 text such as Excel's Unicode text; save the table as CSV in UTF-8"
 SIGNATURES = (
     (b"PK\x03\x04", WORKBOOK),
     (b"\xd0\xcf\x11\xe0", "an old Excel workbook (.xls); save its sheet as CSV"),
@@ -22,7 +22,7 @@ SIGNATURES = (
     (b"\xff\xfe", UTF_16),
     (b"\xfe\xff", UTF_16),
 )
-"""First bytes of unsupported files, with their kind and how to export a text table."""
+"""First bytes of unsupported files, with the kind of file and how to export a text table."""
 _INVISIBLE = re.compile("[\u200b\u200e\u200f\u2060\ufeff]")
 _MINUS = re.compile("[\u2212\uff0d](?=[.,]?[0-9])")
 _JSON_LIST = re.compile(r"\s*\[\s*[{\]]")
@@ -48,7 +48,7 @@ def file_text(file: Path, *, verbatim: bool = False) -> str:
         ) from None
     if "\0" in text:
         row = text.count("\n", 0, text.index("\0")) + 1
-        raise InvalidFile(f"{file}, row {row}: found a zero byte, expected text")
+        raise InvalidFile(f"{file}, row {row}: found a null byte, expected text")
     if not text.strip():
         raise InvalidFile(f"{file}: found an empty file, expected a header and trials")
     return text if verbatim else plain_text(text)
@@ -60,11 +60,11 @@ def _kind_of_archive(content: bytes, kind: str) -> str:
         return kind
     if b"opendocument" in content:
         return "an OpenDocument spreadsheet; save its sheet as CSV"
-    return "a ZIP archive; unpack it and name the folder"
+    return "a ZIP archive; unpack it and pass the folder"
 
 
 def plain_text(text: str) -> str:
-    r"""Normalise to NFC, ASCII minus signs, and no invisible characters.
+    r"""Normalise to NFC and ASCII minus signs, and remove invisible characters.
 
     >>> plain_text("\u221212\u200b"), plain_text("gro\u0308\u00dfe") == "gr\u00f6\u00dfe"
     ('-12', True)
@@ -73,7 +73,7 @@ def plain_text(text: str) -> str:
 
 
 def trimmed(text: str) -> str:
-    """Trim a text; one of spaces only, such as jsPsych's space bar, stays.
+    """Trim a text, except one of spaces only, such as jsPsych's space bar.
 
     >>> trimmed(" S01 "), trimmed(" ")
     ('S01', ' ')
@@ -82,7 +82,7 @@ def trimmed(text: str) -> str:
 
 
 def is_json_list(text: str) -> bool:
-    """Return True if a text begins as a JSON list of objects does.
+    """Return True if a text begins like a JSON list of objects.
 
     >>> is_json_list('[{"level": 2}]'), is_json_list("level,response"), is_json_list("[mm],answer")
     (True, False, False)

@@ -18,12 +18,12 @@ LOGARITHMS: Mapping[str, tuple[str, Callable[[Array], Array]]] = {
     "log10": ("log10", np.log10),
     "db": ("dB re 1", lambda level: 20 * np.log10(level)),
 }
-"""Name of a unit on each scale, and the conversion of a level."""
+"""Prefix of the unit on each scale, and the conversion of levels."""
 PLACED = ("level", "level_delivered", "standard_level")
 SCALED = tasks_with_level("curve", "scale")
 SETTINGS = tuple(name for name, held in TASKS.items() if held.sets_level)
 WIDE = 20.0
-"""Levels that span a larger factor are seldom meant for a linear axis (unverified default)."""
+"""Ratio of highest to lowest level above which a linear axis is probably wrong (unverified default)."""
 
 
 def is_logarithm(unit: str) -> bool:
@@ -38,8 +38,8 @@ def is_logarithm(unit: str) -> bool:
 def on_scale(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
     """Convert levels, settings and unit to ``linear``, ``log10`` or ``db``.
 
-    Raises `InvalidParameter` if the scale is unknown, or the levels are already logarithms. Raises `InvalidFile` for a
-    level of 0 or below, which has no logarithm, with its row.
+    Raises `InvalidParameter` if the scale is unknown, or the levels are already logarithms. Raises `InvalidFile`,
+    naming the row, for a level of 0 or below, which has no logarithm.
     """
     known = get_args(LevelScale)
     expect(scale in known, "--level-scale", repr(scale), f"one of {', '.join(known)}{nearest(scale, known)}")
@@ -49,14 +49,14 @@ def on_scale(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
     is_scaled = rows["task"].isin(SCALED)
     units = rows["level_unit"] if "level_unit" in rows.columns else pd.Series("", index=rows.index)
     for unit in units[is_scaled].unique():
-        given = f"{scale} for levels in {unit!r}, which are a logarithm"
+        given = f"{scale} for levels in {unit!r}, which are already logarithms"
         expect(not is_logarithm(unit), "--level-scale", given, "linear")
     table = rows.assign(level_unit=units.where(~is_scaled, [f"{name} {unit}".rstrip() for unit in units]))
     for column in PLACED:
         if column in rows.columns:
             logarithms = of(_positive(rows, column, rows[column].where(is_scaled)))
             table[column] = rows[column].where(~is_scaled, logarithms)
-    # An adjustment's response is a level too. Responses are text, and repr keeps every digit.
+    # The response of an adjustment is a level too; repr keeps every digit in the text.
     settings = is_scaled & rows["task"].isin(SETTINGS) & (rows["response"] != "")
     set_to = of(_positive(rows, "response", rows["response"].where(settings).astype(float)))
     table["response"] = rows["response"].where(~settings, [repr(float(level)) for level in set_to])
@@ -67,7 +67,7 @@ def _positive(rows: pd.DataFrame, name: str, levels: "pd.Series[float]") -> Arra
     bad = rows[(levels <= 0).to_numpy()]
     if len(bad):
         expected = (
-            "a level above 0 on a logarithmic scale (a catch trial has no level, and 1 in the column 'catch'), or "
+            "a level above 0 on a logarithmic scale (a catch trial has an empty level and 1 in the column 'catch'), or "
             "--level-scale linear"
         )
         raise bad_cell(bad.iloc[0], name, str(bad.iloc[0][name]), expected)
@@ -75,7 +75,7 @@ def _positive(rows: pd.DataFrame, name: str, levels: "pd.Series[float]") -> Arra
 
 
 def wide_levels(rows: pd.DataFrame) -> list[str]:
-    """Warn of levels on a linear scale that span a factor above `WIDE`."""
+    """Warn about levels on a linear scale that span a factor above `WIDE`."""
     is_linear = rows["task"].isin(tasks_with_level("curve"))
     if "level_unit" in rows.columns:
         logarithms = [unit for unit in rows["level_unit"].unique() if is_logarithm(unit)]
@@ -83,10 +83,10 @@ def wide_levels(rows: pd.DataFrame) -> list[str]:
     levels = rows.loc[is_linear, "level"]
     above = levels[levels > 0]
     if above.empty or (levels < 0).any() or above.max() <= WIDE * above.min():
-        return []  # a scale with negative values is not a ratio scale
+        return []  # negative values exclude a logarithmic scale
     low, high = float(above.min()), float(above.max())
     return [
-        f"levels from {low:.3g} to {high:.3g} span a factor of {high / low:.3g} on a linear axis; if their scale is "
-        "one of ratios, as that of a contrast or a voltage, fit their logarithm (--level-scale log10 or db); "
-        "--level-scale linear says that it is not"
+        f"levels from {low:.3g} to {high:.3g} span a factor of {high / low:.3g} on a linear axis. If this is "
+        "a ratio scale, such as contrast or voltage, fit their logarithm (--level-scale log10 or db). "
+        "Otherwise set --level-scale linear"
     ]

@@ -19,14 +19,14 @@ from .rows import holds
 from .trials import Trials
 
 SessionKey = tuple[str, float]
-"""Participant and session."""
+"""Participant code and session number."""
 
 
 @dataclass(frozen=True)
 class Origin:
-    """Origin of the answers, with the texts that the report states about it.
+    """Origin of the answers, with its texts in the report.
 
-    `heads` are those of all sittings, by session.
+    `heads` are the journal heads of all sittings, by session.
     """
 
     is_simulated: bool = False
@@ -37,7 +37,7 @@ class Origin:
 
     @property
     def line(self) -> str:
-        """First line of a report, empty for real participants.
+        """First line of a report; empty for real participants.
 
         >>> Origin(is_simulated=True, seeds=(5,)).line
         'Simulated participants, no people (seed 5).'
@@ -46,7 +46,7 @@ class Origin:
 
     @property
     def method(self) -> str:
-        """Beginning of a methods paragraph, empty for real participants.
+        """Beginning of the methods paragraph; empty for real participants.
 
         >>> Origin(is_simulated=True).method
         'The participants were simulated by Tactometry (seed not known); no person took part. '
@@ -63,9 +63,10 @@ class Origin:
 
 
 def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
-    """Return rows of real participants, or of simulated ones if alone.
+    """Return the rows of real participants, or all rows if all are simulated.
 
-    The `rig` of a row states who answered, else the journal of its session does. Without either, it was people.
+    The `rig` of a row, or else the journal of its session, states whether it was simulated. Without either,
+    participants count as real.
     """
     known = _heads_of(trials.path)
     mask = _is_simulated(trials.rows, known)
@@ -78,13 +79,15 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
         return trials, replace(origin, warnings=(origin.line.removesuffix("."), *warnings))
     if not mask.any():
         return trials, Origin(warnings=warnings, heads=known)
-    left_out = f"simulated participants in a table with real participants were excluded ({_codes(trials.rows[mask])})"
+    left_out = (
+        f"simulated participants were excluded, as the table also contains real ones ({_codes(trials.rows[mask])})"
+    )
     kept = replace(trials, rows=trials.rows[~mask].reset_index(drop=True))
     return kept, Origin(warnings=(f"{left_out}; analyse them separately", *warnings), heads=known)
 
 
 def _heads_of(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
-    """Return the heads of all sittings by session, without damaged journals."""
+    """Return the journal heads of all sittings, by session."""
     by_session: dict[SessionKey, tuple[Head, ...]] = {}
     for journal in sorted((path / "journals").glob("participant-*.jsonl")) if path.is_dir() else ():
         with suppress(InvalidFile):
@@ -104,9 +107,9 @@ def _is_simulated(rows: pd.DataFrame, known: Mapping[SessionKey, Sequence[Head]]
 
 
 def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
-    """Warn of trials without a delivered level, whose requested level is used.
+    """Warn about trials with a requested but no delivered level.
 
-    Only rows that name their rig are examined, without tasks in which the participant sets the level.
+    Only rows with a rig are examined. Tasks in which the participant sets the level are skipped.
     """
     if not {"rig", "level_delivered"} <= set(rows.columns):
         return
@@ -114,7 +117,7 @@ def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
     asked = rows[(rows["rig"] != "") & ~holds(rows, "valid", 0) & is_felt]
     silent = asked[asked["level_delivered"].isna()]
     if len(silent):
-        yield f"no stimulus was presented in trials with a level ({_codes(silent)}): these answers are invalid"
+        yield f"no stimulus was presented in some trials with a level ({_codes(silent)}); these answers are invalid"
 
 
 def _codes(rows: pd.DataFrame) -> str:

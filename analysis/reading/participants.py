@@ -1,4 +1,4 @@
-"""Normalisation and comparison of participant codes."""
+"""Normalisation and comparison of participant codes and factor values."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -16,9 +16,9 @@ _ZEROS = re.compile(r"(?<![0-9])0+(?=[0-9])")
 
 
 def without_separators(codes: Iterable[str], path: Path) -> dict[str, str]:
-    """Map codes with hyphens or underscores to codes without them.
+    """Map each code with hyphens or underscores to the code without them.
 
-    A code with a space may be a person's name, for which the column map must state a code.
+    A code with a space may be a person's name, so the column map must assign a code to it.
 
     Raises `InvalidFile` if two codes differ only by these characters.
 
@@ -32,9 +32,9 @@ def without_separators(codes: Iterable[str], path: Path) -> dict[str, str]:
         same = [other for other in codes if other != code and short.get(other, other) == text]
         if same:
             raise InvalidFile(
-                f"{path}: found the participants {same[0]!r} and {code!r}, expected codes that differ by more than "
-                f"separators; write into a column map, below [values.participant], {code!r} = 'another code', or = "
-                f"{same[0]!r} where they are one"
+                f"{path}: found the participants {same[0]!r} and {code!r}, expected codes that differ in more than "
+                f"separators. In a column map, below [values.participant], set {code!r} = 'another code', or "
+                f"{code!r} = {same[0]!r} if they are the same participant"
             )
     return short
 
@@ -47,13 +47,13 @@ def with_codes(tables: Mapping[Path, pd.DataFrame], path: Path, notes: list[str]
         return dict(tables)
     written = first_named([f"{code} as {text}" for code, text in short.items()])
     notes.append(
-        f"participant codes are written without separators: {written}; [values.participant] of the map names others"
+        f"separators were removed from participant codes: {written}; set others in [values.participant] of the map"
     )
     return {file: table.assign(participant=table["participant"].replace(short)) for file, table in tables.items()}
 
 
 def _alike(words: Iterable[str], plain: Callable[[str], str]) -> list[str]:
-    """Return the groups of words that share a plain form."""
+    """Return the groups of words that have the same `plain` form."""
     groups: dict[str, list[str]] = {}
     for word in words:
         groups.setdefault(plain(word), []).append(word)
@@ -61,26 +61,26 @@ def _alike(words: Iterable[str], plain: Callable[[str], str]) -> list[str]:
 
 
 def alike_values(rows: pd.DataFrame, factors: Iterable[str]) -> Iterator[str]:
-    """Warn of values of a factor that differ only by case or spaces."""
+    """Warn about values of a factor that differ only in case or spaces."""
     for name in factors:
         alike = _alike(map(repr, map(str, rows[name].unique())), lambda value: "".join(value.casefold().split()))
         if alike:
             yield (
-                f"{name} has values that differ only by case or spaces: {first_named(alike)}; each was analysed as a "
-                f"condition; where they are one, map them in [values.{name}] of a column map"
+                f"{name} has values that differ only in case or spaces: {first_named(alike)}. Each was analysed as a "
+                f"condition. If they are the same, merge them in [values.{name}] of a column map"
             )
 
 
 def alike_notes(codes: Iterable[str]) -> Iterator[str]:
-    """Warn of codes that differ only by case, separators or leading zeros.
+    """Warn about codes that differ only in case, separators or leading zeros.
 
     >>> list(alike_notes(["01", "1", "S2"]))[0][:75]
-    'participants that may be the same, as their codes differ only by case, sepa'
+    'participants that may be the same, as their codes differ only in case, sepa'
     """
     alike = _alike(codes, lambda code: _ZEROS.sub("", _SEPARATORS.sub("", code).casefold()))
     if alike:
         yield (
-            "participants that may be the same, as their codes differ only by case, separators or leading zeros: "
-            f"{first_named(alike)}; each was analysed separately; where they are one, write one code or map it in "
+            "participants that may be the same, as their codes differ only in case, separators or leading zeros: "
+            f"{first_named(alike)}; each was analysed separately. If they are the same, use one code, or merge them in "
             "[values.participant] of a column map"
         )

@@ -1,4 +1,4 @@
-"""Data quality per participant, and exclusion rules."""
+"""Data quality by participant, and exclusion rules."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -23,11 +23,11 @@ SLOWEST = "frame_interval_max_s"
 
 
 def frames(path: Path) -> pd.DataFrame:
-    """Return frames, dropped frames and longest interval (s) by participant.
+    """Return frames, dropped frames and longest interval by participant.
 
-    Empty without events of frames: outside of a data set folder, or if nothing was shown on a screen.
+    The result is empty outside a data set folder, or if nothing was shown on a screen.
 
-    Raises `InvalidFile` if a file of events lacks a column, or a column contains other values than counts.
+    Raises `InvalidFile` if a file of events lacks a column, or a count is not a number.
     """
     tables = [table for table in session_events(path, ("trial_type", *COUNTS, SLOWEST), _frames) if len(table)]
     if not tables:
@@ -42,14 +42,14 @@ def _frames(events: pd.DataFrame) -> pd.DataFrame:
 
 
 def with_frames(quality: pd.DataFrame, frames: pd.DataFrame) -> pd.DataFrame:
-    """Add the frames of each participant to the table of data quality."""
+    """Add the columns of `frames` to the table of data quality."""
     if frames.empty:
         return quality
     return quality.merge(frames, on="participant", how="left").astype(dict.fromkeys(COUNTS, "Int64"))
 
 
 def quality(trials: Trials) -> pd.DataFrame:
-    """Return recorded and used trials and catch-trial answers by participant."""
+    """Count recorded, invalid, repeated and catch trials by participant."""
     rows = trials.rows
     practice, invalid, silent = holds(rows, "practice", 1), holds(rows, "valid", 0), rows["response"] == ""
     catch = is_catch(rows) & ~practice & ~invalid & ~silent
@@ -63,7 +63,7 @@ def quality(trials: Trials) -> pd.DataFrame:
         "n_false_alarms": catch & rows["response"].isin(["1", "1.0"]),
     }
     table = pd.DataFrame(flags, index=rows.index).groupby(rows["participant"], sort=True).sum()
-    rate = table["n_false_alarms"] / table["n_catch"].where(table["n_catch"] > 0)  # without catch trials NaN, not inf
+    rate = table["n_false_alarms"] / table["n_catch"].where(table["n_catch"] > 0)  # NaN without catch trials
     table, missed = table.assign(false_alarm_rate=rate), missed_practice(trials)
     if len(missed):
         table["practice_missed"] = missed.reindex(table.index).fillna(False).astype(int)
@@ -71,7 +71,7 @@ def quality(trials: Trials) -> pd.DataFrame:
 
 
 def tally_of(trials: Trials) -> Tally:
-    """Count trials, presentations and questionnaire answers like a session."""
+    """Count presentations and questionnaire answers as a session does."""
     rows = trials.rows
     is_form = (rows["task"] == FORM_TASK) & rows["level"].isna() if "level" in rows.columns else False
     first = rows[_is_first(rows) & ~pd.Series(is_form, rows.index)]
@@ -91,9 +91,9 @@ TARGET = "force_n"
 
 
 def missed_practice(trials: Trials) -> "pd.Series[bool]":
-    """Return, by participant, True if practice ended below the criterion.
+    """Return for each participant True if practice ended below the criterion.
 
-    Empty where the study of the data set has no practice.
+    The result is empty if the study has no practice.
     """
     criterion = study_table(trials.path, "practice", _criterion)
     rows = trials.rows
@@ -108,7 +108,7 @@ def missed_practice(trials: Trials) -> "pd.Series[bool]":
 
 
 def _criterion(table: Mapping[str, Any]) -> tuple[int, int] | None:
-    """Return how many of how many answers must be correct, if stated."""
+    """Return the practice criterion: `n_correct` of the last `n_of` answers."""
     if not table:
         return None
     stated = dict(zip(("n_correct", "n_of"), PRACTICE_CRITERION, strict=True)) | dict(table)
@@ -117,7 +117,7 @@ def _criterion(table: Mapping[str, Any]) -> tuple[int, int] | None:
 
 
 def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Return True for correct answers, and for tasks without correct answers."""
+    """Return True for answers that are correct or cannot be scored."""
     by_response = rows["task"].isin([name for name, task in TASKS.items() if task.response is YES_OR_NO])
     counted = (numbers_of(rows["response"]) == 1).where(by_response, correctness(rows) != 0)
     return counted.astype(bool)
@@ -125,20 +125,21 @@ def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 @dataclass(frozen=True)
 class Exclusion:
-    """Rules that exclude trials and participants. None disables a rule.
+    """Rules that exclude trials and participants; None disables a rule.
 
     Parameters
     ----------
     force_in_band_share_min : float, optional
-        Excludes trials whose force was in the target band for a smaller share of the stimulus.
+        Excludes trials in which the force was in the target band for a smaller share of the stimulus.
     force_deviation_ratio_max : float, optional
-        Excludes trials whose mean force deviates from the target (factor `force_n`) by more than this fraction of it.
+        Excludes trials whose mean force deviates from the target (factor `force_n`) by more than this fraction of the
+        target.
     latency_min_s : float, optional
-        Excludes trials answered faster than this.
+        Excludes trials with a shorter latency.
     latency_max_s : float, optional
-        Excludes trials answered slower than this.
+        Excludes trials with a longer latency.
     false_alarm_share_max : float, optional
-        Excludes participants with a larger false-alarm rate in catch trials.
+        Excludes participants with a higher false-alarm rate in catch trials.
     invalid_share_max : float, optional
         Excludes participants with a larger share of invalid trials.
     practice : bool
@@ -147,7 +148,7 @@ class Exclusion:
     Raises
     ------
     InvalidParameter
-        If a bound is not a number from 0 (shares: to 1), or the bounds of the latency are crossed.
+        If a bound is not a number of at least 0 (shares: at most 1), or the lowest latency is not below the highest.
     """
 
     force_in_band_share_min: float | None = None
@@ -167,7 +168,7 @@ class Exclusion:
         expect(is_ordered, "latency_max_s", self.latency_max_s, f"more than latency_min_s, {self.latency_min_s}")
 
     def stated(self) -> dict[str, float]:
-        """Return the rules that are set.
+        """Return the rules that are not None.
 
         >>> Exclusion(force_in_band_share_min=0.8).stated()
         {'force_in_band_share_min': 0.8}
@@ -180,7 +181,7 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
     """Apply exclusion rules and return remaining trials and exclusions.
 
     The rows keep their index. The table of exclusions has the columns `participant, rule, bound, n_trials`. `quality`
-    is that of the trials (`reading.quality`), whose shares the rules on participants use.
+    is the data quality of the trials, used by the rules on participants.
 
     Raises `InvalidParameter` if the table lacks a column that a rule needs.
     """
@@ -196,7 +197,7 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
 
 
 def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
-    """Return True for rows that break a rule. Missing values break none."""
+    """Return True for rows that break a rule; missing values break no rule."""
     of = quality.set_index("participant")
     match name:
         case "force_in_band_share_min":
@@ -219,5 +220,5 @@ def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataF
 
 def _column(rows: pd.DataFrame, name: str, rule: str) -> "pd.Series[float]":
     if name not in rows.columns:
-        raise InvalidParameter(f"{rule}: {no_column(name, rows)}, which this rule needs")
+        raise InvalidParameter(f"{rule}: {no_column(name, rows)}, which this rule requires")
     return rows[name]

@@ -16,16 +16,16 @@ from tactometry.trials.tasks import FORM_TASK
 from ..arrays import Array
 
 NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined", "#n/a", "timeout"))
-"""Texts that other programs write for missing values."""
+"""Texts that other programs use for missing values."""
 NAMED_VALUES = ("response", "target", "session", "correct", "catch", "valid", "practice")
-"""Columns whose values other programs write as words."""
+"""Columns in which other programs may write words for numbers."""
 NEGATIVE = frozenset(("n", "no", "nein", "false", "f", "wrong", "incorrect", "miss", "not felt"))
-"""Words that most likely mean 0."""
+"""Words that probably mean 0."""
 _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 
 def numbers_of(text: "pd.Series[str]") -> "pd.Series[float]":
-    """Convert text cells to numbers, with NaN for other text."""
+    """Convert text cells to numbers; other text becomes NaN."""
     numbers = plain_numbers(text)
     return pd.Series(_numbers_of_words(text) if numbers is None else numbers, index=text.index)
 
@@ -40,21 +40,21 @@ def plain_numbers(text: "pd.Series[str]") -> Array | None:
     """
     words = text.to_numpy(dtype=object)
     try:
-        # numpy accepts "1_000" as a number, which is a word in a table.
+        # numpy parses "1_000" as a number, but in a table it is text.
         return None if "_" in "".join(words) else np.where(words == "", "nan", words).astype(np.float64)
     except (TypeError, ValueError):
         return None
 
 
 def _numbers_of_words(text: "pd.Series[str]") -> Array:
-    """Convert each distinct text once, with NaN for other text."""
+    """Convert each distinct text to a number once; other text becomes NaN."""
     codes, different = pd.factorize(text)
     numbers = np.asarray(pd.to_numeric(pd.Series(different), errors="coerce"), dtype=np.float64)
     return numbers[codes]
 
 
 def holds(rows: pd.DataFrame, name: str, value: object) -> "pd.Series[bool]":
-    """Return True for rows with a value in a column that may be missing."""
+    """Return True for rows with this value in an optional column."""
     return rows[name] == value if name in rows.columns else pd.Series(False, index=rows.index)
 
 
@@ -71,7 +71,7 @@ def delivered_level(rows: pd.DataFrame) -> "pd.Series[float]":
 
 
 def correctness(rows: pd.DataFrame) -> "pd.Series[float]":
-    """Return 1 for correct and 0 for wrong answers, NaN if unknown."""
+    """Return 1 for correct and 0 for incorrect answers, NaN if unknown."""
     stated = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
     if "target" not in rows.columns:
         return stated
@@ -80,39 +80,39 @@ def correctness(rows: pd.DataFrame) -> "pd.Series[float]":
 
 
 def place_of(rows: pd.DataFrame) -> str:
-    """Return the place of the first of some rows, and the number of others."""
-    numbers = rows["row"].drop_duplicates().tolist()  # a row of counts contains several trials
+    """Return the file and row of the first row, and the rows of the others."""
+    numbers = rows["row"].drop_duplicates().tolist()  # trials from one row of counts share its number
     return f"{rows['source'].iloc[0]}{rows_text(numbers[0], numbers[1:], len(numbers))}"
 
 
 def first_place(rows: pd.DataFrame) -> str:
-    """Return where the first of the rows is, as the end of a warning."""
+    """Return the place of the first row, for the end of a warning."""
     first = rows.iloc[0]
     return f"(the first: {Path(str(first['source'])).name}, row {first['row']})"
 
 
 def bad_cell(row: "pd.Series[Any]", column: str, found: str, expected: str) -> InvalidFile:
-    """Return the error about a cell, with its file and row."""
+    """Return an error about a cell that names its file and row."""
     return InvalidFile(f"{row['source']}, row {row['row']}, column {column!r}: found {found}, expected {expected}")
 
 
 def meaning(name: str, text: str) -> str:
-    """Return a hint for the column map on the meaning of a word.
+    """Return a hint on how to translate a word in a column map.
 
     >>> meaning("response", "y")
-    "; say what it means in a column map (--columns), below [values.response], for example: 'y' = 1"
+    "; translate it in a column map (--columns), below [values.response], for example: 'y' = 1"
     >>> meaning("response", "None"), meaning("response", "7")
-    ("; say in a column map (--columns) that it was not measured: missing = ['None']", '')
+    ("; mark it as missing in a column map (--columns): missing = ['None']", '')
     """
     if name == "participant" and text:
-        return f"; give each a code in a column map (--columns), below [values.participant]: {_toml_text(text)} = 'P1'"
+        return f"; assign codes in a column map (--columns), below [values.participant]: {_toml_text(text)} = 'P1'"
     word, plain = _toml_text(text), text.strip().lower()
     if plain in NOT_MEASURED:
-        return f"; say in a column map (--columns) that it was not measured: missing = [{word}]"
+        return f"; mark it as missing in a column map (--columns): missing = [{word}]"
     if name not in NAMED_VALUES or not text or _NUMBER.fullmatch(text):
         return ""
     number = 0 if plain in NEGATIVE and name != "target" else 1
-    return f"; say what it means in a column map (--columns), below [values.{name}], for example: {word} = {number}"
+    return f"; translate it in a column map (--columns), below [values.{name}], for example: {word} = {number}"
 
 
 def _toml_text(text: str) -> str:
@@ -123,17 +123,17 @@ def _toml_text(text: str) -> str:
     """
     if text.isprintable() and "'" not in text:
         return f"'{text}'"
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON allows this character, TOML does not
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # allowed in JSON but not in TOML
 
 
 def expect_column(table: pd.DataFrame, name: str, file: object, why: str) -> None:
-    """Refuse a table without a column. `why` ends the message."""
+    """Raise for a table without a column; `why` continues the message."""
     if name not in table.columns:
         raise InvalidFile(f"{file}: found no column {name!r}{why}{nearest(name, map(str, table.columns))}")
 
 
 def no_column(name: str, table: pd.DataFrame) -> str:
-    """Name a missing column and the nearest one.
+    """Return a message about a missing column that suggests the nearest one.
 
     >>> no_column("levl", pd.DataFrame({"level": [1.0]}))
     "found no column 'levl'; did you mean 'level'?"
@@ -142,26 +142,26 @@ def no_column(name: str, table: pd.DataFrame) -> str:
 
 
 def with_all_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """Give each table all columns, as other programs omit empty ones."""
+    """Give each table all columns, as other programs omit empty columns."""
     header = list(dict.fromkeys(name for table in tables.values() for name in table.columns))
     missing = {file: [name for name in header if name not in table.columns] for file, table in tables.items()}
     return {file: with_empty(table, missing[file])[header] for file, table in tables.items()}
 
 
 def with_empty(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
-    """Add empty columns."""
+    """Add empty columns with these names."""
     return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS, *FLAGS) else "" for name in names})
 
 
 def with_rows(tables: Mapping[Path, pd.DataFrame]) -> Mapping[Path, pd.DataFrame]:
-    """Return the tables that have rows, or all tables if none has."""
+    """Return the tables with rows, or all tables if none has rows."""
     return {file: table for file, table in tables.items() if len(table)} or tables
 
 
 def begun_notes(tables: Mapping[Path, pd.DataFrame], used: Container[Path]) -> list[str]:
     """Return notes on sessions without rows, for example without consent."""
     names = [file.name for file in tables if file not in used]
-    return [f"{count_of(len(names), 'session')} without a trial, left out: {', '.join(names)}"] if names else []
+    return [f"{count_of(len(names), 'session')} without trials left out: {', '.join(names)}"] if names else []
 
 
 def unanswered_notes(rows: pd.DataFrame) -> list[str]:
@@ -179,8 +179,8 @@ def routine_notes(left: Mapping[Path, pd.DataFrame]) -> list[str]:
     if not n:
         return []
     file, first = next((file, table["row"].iloc[0]) for file, table in left.items() if len(table))
-    rows = "1 row was left out that holds" if n == 1 else f"{n} rows were left out that hold"
+    rows = "1 row was left out: it has" if n == 1 else f"{n} rows were left out: they have"
     return [
-        f"{rows} neither level nor answer nor item, as other programs write for routines (the first: {file.name}, row "
-        f"{first})"
+        f"{rows} no level, answer or item, like rows that other programs write for routines (the first: {file.name}, "
+        f"row {first})"
     ]

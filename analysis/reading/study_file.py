@@ -1,4 +1,4 @@
-"""Tables and questionnaires in the `study.toml` of a data set."""
+"""Access to tables and questionnaires in the `study.toml` of a data set."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class StudyText:
-    """Title and procedure of a study, and its force (N) if not a factor."""
+    """Title and procedure of a study, and its force (N) if fixed."""
 
     title: str = ""
     procedure: str = ""
@@ -31,9 +31,9 @@ class StudyText:
 
 
 def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -> T:
-    """Apply `read` to a table of the study in a folder, or to an empty table.
+    """Apply `read` to a table of a folder's study, or to an empty table.
 
-    Raises `InvalidFile` if the study cannot be read, or `read` refuses its table.
+    Raises `InvalidFile` if the study cannot be read, or `read` raises for its table.
     """
     file = path / "study.toml"
     table = read_table(file, "the study that ran").get(name, {}) if file.is_file() else {}

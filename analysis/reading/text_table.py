@@ -1,6 +1,6 @@
-"""Tables on disk as text cells, without interpretation.
+"""Reading of table files as text cells, without interpretation.
 
-Every error names the file and, if there is one, the row (the header is row 1).
+Every error names the file and, if possible, the row (the header is row 1).
 """
 
 import csv
@@ -22,13 +22,13 @@ from tactometry.trials.row_rules import MOST_COLUMNS
 from .file_text import file_text, is_json_list, trimmed
 
 TEXT = pd.StringDtype("python", na_value=np.nan)
-"""Data type of a cell, independent of whether pyarrow is installed."""
+"""Data type of cells, which does not depend on pyarrow being installed."""
 MOST_EMPTY = 10_000_000
-"""Largest number of empty cells in a JSON table, as a small file could otherwise exhaust the memory."""
+"""Largest number of empty cells in a JSON table; otherwise a small file could exhaust memory."""
 LAST_LINE = "end"
-"""Appended to a table that may contain quotation marks."""
+"""Line appended to a table to detect unclosed quotation marks."""
 FEWEST_LOST = 12
-"""A line with fewer cells may be a header with repeated names."""
+"""Fewest cells of a single line that count as lost line breaks, as a short line may be a header."""
 _LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _SEP_LINE = re.compile(r'"?sep=([^\r\n"])"?[;,\t]*(?:\r\n|\r|\n)', re.IGNORECASE)
 
@@ -43,11 +43,11 @@ def text_cells(
 ) -> pd.DataFrame:
     """Read all cells as text, with the row number in the column `row`.
 
-    A list of JSON objects is read by `json_cells`, whatever the file's name. The `separator` is by default that of a
-    first line ``sep=;``, else a comma, in ``.tsv`` a tab. Empty columns without a name are omitted, as PsychoPy ends
-    each row with a comma. An unnamed first column that counts the rows, and repeated columns that are not `needed`
-    (None: all are), are omitted with a line in `notes`. Text is normalised (`plain_text`) and trimmed, unless it is
-    `verbatim`.
+    A list of JSON objects is read by `json_cells`, whatever the file name. By default the `separator` is that of a
+    first line such as ``sep=;``, or else a comma (in ``.tsv`` files a tab). Empty columns without a name are omitted,
+    as PsychoPy ends each row with a comma. An unnamed first column that counts the rows, and repeated columns that are
+    not `needed` (None: all are needed), are omitted with a note in `notes`. Text is normalised (`plain_text`) and
+    trimmed, unless it is `verbatim`.
 
     Raises `InvalidFile` if the file cannot be read, is not UTF-8 text or not a table, or has rows of different lengths,
     more than `MOST_COLUMNS` columns, or an unnamed or repeated column.
@@ -71,7 +71,7 @@ def text_cells(
 
 
 def _trimmed_cells(table: pd.DataFrame, text: str, separator: str = ",") -> pd.DataFrame:
-    """Trim spaces around cells, if the text of the file has any there."""
+    """Trim spaces around cells."""
     ends = (separator, "\n", "\r", '"')
     if not any(f"{space}{end}" in text or f"{end}{space}" in text for end in ends for space in (" ", "\u00a0")):
         return table
@@ -79,7 +79,7 @@ def _trimmed_cells(table: pd.DataFrame, text: str, separator: str = ",") -> pd.D
 
 
 def _without_sep_line(text: str) -> tuple[str, str, int]:
-    r"""Split off Excel's line ``sep=,``; return text, separator, lines removed.
+    r"""Remove Excel's line ``sep=,``; return text, separator, lines removed.
 
     >>> _without_sep_line("sep=;\r\na;b"), _without_sep_line("a,b")
     (('a;b', ';', 1), ('a,b', '', 0))
@@ -89,21 +89,21 @@ def _without_sep_line(text: str) -> tuple[str, str, int]:
 
 
 def _expect_lines(text: str, separator: str, file: Path) -> None:
-    """Refuse a table without line breaks: a single line with repeated cells."""
+    """Raise for a table whose line breaks were lost."""
     if "\n" in text.strip() or "\r" in text.strip() or '"' in text:
         return
     cells = text.strip().split(separator)
     if len(cells) > len({*cells}) and len(cells) > FEWEST_LOST:
         raise InvalidFile(
-            f"{file}: found one line of {len(cells)} cells, expected a line for each row; the line breaks are gone"
+            f"{file}: found one line of {len(cells)} cells, expected a line for each row; the line breaks were lost"
         )
 
 
 def json_cells(text: str, file: Path) -> pd.DataFrame:
-    """Read trials from JSON as text, with the place in the list as `row`.
+    """Read trials from JSON as text, with the position in the list as `row`.
 
-    The text is a list with an object for each trial, as jsPsych saves it, or several such lists in sequence, as JATOS
-    saves them. Each key has a column. Numbers are unchanged, true and false become words, null and missing keys become
+    The text is a list with an object per trial, as saved by jsPsych, or several such lists in sequence, as saved by
+    JATOS. Each key becomes a column. Numbers are unchanged, true and false become words, null and missing keys become
     empty. Nested lists and objects stay JSON.
 
     Raises `InvalidFile` if the text is not JSON or not a list of objects, or has more than `MOST_COLUMNS` keys or
@@ -120,34 +120,34 @@ def json_cells(text: str, file: Path) -> pd.DataFrame:
     n_empty = len(cells) * len(names) - sum(map(len, cells))
     if n_empty > MOST_EMPTY:
         raise InvalidFile(
-            f"{file}: found {len(cells)} trials with {len(names)} keys in all, of which {n_empty} cells are empty, "
-            f"expected at most {MOST_EMPTY}; name what all trials have alike"
+            f"{file}: found {len(cells)} trials with {len(names)} keys in all, with {n_empty} empty cells, "
+            f"expected at most {MOST_EMPTY}. Use the same keys in all trials"
         )
     table = pd.DataFrame([[row.get(name, "") for name in names] for row in cells], columns=list(names), dtype=TEXT)
     return table.assign(row=range(1, len(cells) + 1))
 
 
 def _json_trials(text: str, file: Path) -> Iterator[dict[str, object]]:
-    """Parse the trials one by one, to stop early beyond the bounds."""
+    """Yield the trials one by one, so that the caller can stop early."""
     n = 0
     try:
         for n, trial in enumerate(json_items(text), 1):
             if not isinstance(trial, dict):
-                raise ValueError(f"item {n} is another")
+                raise ValueError(f"item {n} is not an object")
             yield trial
         if n == 0:
             raise ValueError("it is empty")
     except ValueError as damage:
         raise InvalidFile(
-            f"{file}: found no list of objects in JSON ({damage}), expected one for each trial, as jsPsych saves them"
+            f"{file}: found no JSON list of objects ({damage}), expected an object for each trial, as saved by jsPsych"
         ) from None
 
 
 def _expect_few_columns(n: int, where: str, what: str = "columns") -> None:
     if n > MOST_COLUMNS:
         raise InvalidFile(
-            f"{where}: found {n} {what}, expected at most {MOST_COLUMNS}: a row for each trial, a column for what is "
-            "known of it"
+            f"{where}: found {n} {what}, expected at most {MOST_COLUMNS}, with a row for each trial and a column for "
+            "each variable"
         )
 
 
@@ -160,15 +160,17 @@ def _json_text(value: object) -> str:
 def _expect_commas(header: str, separator: str, file: Path) -> None:
     if separator == "," and "," not in header and (";" in header or "\t" in header):
         raise InvalidFile(
-            f"{file}, row 1: found columns separated by {';' if ';' in header else 'tabs'}, expected commas (or a file "
-            "named .tsv with tabs); save it as comma-separated values with decimal points, or say so in a column map"
+            f"{file}, row 1: found columns separated by {';' if ';' in header else 'tabs'}, expected commas, or tabs "
+            "in a .tsv file; save it as comma-separated values with decimal points, or set the separator in a column "
+            "map"
         )
 
 
 def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
     """Read all cells and the header as text with pandas' C parser.
 
-    None if there is a quotation mark, blank line or row of another length, which the slower reader reports.
+    Returns None if there is a quotation mark, a blank line or a row of different length, which the slower reader
+    handles.
 
     >>> plain_cells("a,b" + chr(10) + "1,2", ",").values.tolist()
     [['a', 'b'], ['1', '2']]
@@ -180,7 +182,7 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
     if not whole or '"' in whole or has_blank_line or whole.count("\r") != whole.count("\r\n"):
         return None
     in_header, rows = whole.partition("\n")[0].count(separator), whole.count("\n") + 1
-    # The parser refuses longer rows but pads shorter ones, which remain to be checked.
+    # The parser raises for longer rows but pads shorter ones, so lengths are checked here.
     if in_header == 0 or whole.count(separator) != in_header * rows:
         return None
     try:
@@ -189,7 +191,7 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
             sep=separator,
             header=None,
             dtype=TEXT,
-            na_filter=False,  # "NA" is a word, whose meaning the column map states
+            na_filter=False,  # keep "NA" as text for the column map
             quoting=csv.QUOTE_NONE,
             skip_blank_lines=False,
         )
@@ -200,15 +202,13 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
 def _any_cells(text: str, separator: str, file: Path, n_before: int = 0) -> pd.DataFrame:
     lines = text if text.endswith("\n") else f"{text}\n"
     try:
-        # An open quotation mark also absorbs the last line, which is then not a separate row.
+        # An unclosed quotation mark absorbs the appended line, which is then not a separate row.
         reader = csv.reader(io.StringIO(f"{lines}{LAST_LINE}", newline=""), delimiter=separator)
         *rows, end = reader
     except csv.Error as damage:
-        raise InvalidFile(
-            f"{file}: found something that is no table ({damage}), expected comma-separated values"
-        ) from None
+        raise InvalidFile(f"{file}: found a damaged table ({damage}), expected comma-separated values") from None
     if end != [LAST_LINE]:
-        raise InvalidFile(f"{file}: found a quotation mark that is never closed, expected it in pairs")
+        raise InvalidFile(f"{file}: found an unclosed quotation mark, expected quotation marks in pairs")
     if _is_counted(rows):
         rows[0].insert(0, "")
     n_columns = max(1, len(rows[0]))
@@ -216,8 +216,8 @@ def _any_cells(text: str, separator: str, file: Path, n_before: int = 0) -> pd.D
     for row, cells in enumerate(rows, start=n_before + 1):
         if has_breaks and any(_holds_rows(n, cell, separator, n_columns) for n, cell in enumerate(cells)):
             raise InvalidFile(
-                f"{file}, row {row}: found a quotation mark that opens a cell over several rows, expected it closed in "
-                "its row; take the mark out, or double it within a quoted cell"
+                f"{file}, row {row}: found a quoted cell that extends over several rows, expected a closing quotation "
+                "mark in the same row; remove the mark, or double it within a quoted cell"
             )
         if len(cells) not in (0, n_columns):
             raise InvalidFile(f"{file}, row {row}: found {len(cells)} cells, expected {n_columns} as in the header")
@@ -225,13 +225,13 @@ def _any_cells(text: str, separator: str, file: Path, n_before: int = 0) -> pd.D
 
 
 def _is_counted(rows: list[list[str]]) -> bool:
-    """Return True if rows start with a number that the header lacks (R)."""
+    """Return True if rows start with numbers without a header, as from R."""
     body = [cells for cells in rows[1:] if cells]
     return bool(body) and {len(cells) for cells in body} == {len(rows[0]) + 1} and _counts([row[0] for row in body])
 
 
 def _holds_rows(place: int, cell: str, separator: str, n_columns: int) -> bool:
-    r"""Return True if a cell contains the end of its row and a later start.
+    r"""Return True if a cell contains the end and start of a row.
 
     >>> _holds_rows(1, "fast,4,n\nS01,", ",", 4), _holds_rows(1, "fast, but\nnot too fast", ",", 4)
     (True, False)
@@ -248,15 +248,17 @@ def _with_header(cells: pd.DataFrame, file: Path, needed: Container[str] | None,
     names = [str(name).strip() for name in cells.iloc[0]]
     for place, name in zip(map(int, cells.columns), names, strict=True):
         if not name:
-            raise InvalidFile(f"{file}, row {header}: found no name for column {place + 1}, expected one for each")
+            raise InvalidFile(
+                f"{file}, row {header}: found no name for column {place + 1}, expected a name for each column"
+            )
     repeated = [word for word, n in Counter(names).items() if n > 1]
     for word in repeated:
         if needed is None or word in needed:
-            raise InvalidFile(f"{file}, row {header}: found the column {word!r} twice, expected each once")
+            raise InvalidFile(f"{file}, row {header}: found the column {word!r} twice, expected unique names")
         notes.append(f"{file.name}: the column {word!r} appears {names.count(word)} times and was not read")
     body = cells.iloc[1:].set_axis(names, axis=1)[[name for name in names if name not in repeated]]
-    if body.shape[1] > 1:  # in a table of one column an empty line is an empty cell
-        begun = body[body.iloc[:, 0] == ""]  # limits the cells to compare
+    if body.shape[1] > 1:  # in a table with one column an empty line is an empty cell
+        begun = body[body.iloc[:, 0] == ""]  # compare only rows that begin with an empty cell
         body = body.drop(index=begun.index[(begun == "").all(axis=1)]) if len(begun) else body
     return body.assign(row=body.index + 1)
 
@@ -267,13 +269,13 @@ def _without_nameless(cells: pd.DataFrame, file: Path, notes: list[str]) -> pd.D
     unused = [place for place in nameless if (cells[place].str.strip() == "").all()]
     first = cells.columns[0]
     if first in nameless and first not in unused and _counts(cells[first].iloc[1:].tolist()):
-        notes.append(f"{file.name}: the first column has no name and counts the rows, and was not read")
+        notes.append(f"{file.name}: the first column has no name and contains row numbers; it was not read")
         unused.append(first)
     return cells.drop(columns=unused)
 
 
 def _counts(words: Sequence[str]) -> bool:
-    """Return True if non-empty cells are rising integers, like row numbers.
+    """Return True if non-empty cells are increasing integers.
 
     >>> _counts(["0", "1", "5", ""]), _counts(["2", "2"]), _counts(["S01"])
     (True, False, False)

@@ -12,25 +12,25 @@ from ..wording import first_named
 from .file_text import is_json_list
 
 OWN_FILES = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
-"""Patterns of trials files: in our data sets, then in BIDS."""
+"""Patterns of trials files: in Tactometry's data sets, then in BIDS."""
 TABLES = (".csv", ".tsv", ".json", ".txt")
-"""Extensions of readable tables, in order of preference among files with the same name."""
+"""Extensions of readable tables, in order of preference for files with the same name."""
 OTHER_DATA = (".xlsx", ".xls", ".ods", ".psydat", ".mat", ".sav", ".rds", ".rda", ".parquet", ".pkl", ".h5", ".dat")
-"""Extensions of files that may contain trials but are not read."""
+"""Extensions of files that may contain trials but cannot be read."""
 DESCRIPTIONS = ("participants", "dataset_description")
-"""Names of BIDS files that describe the data set and contain no trials."""
+"""Names of BIDS files that describe the data set, without trials."""
 BEGINNING = 200
-"""Number of bytes that show whether a file is a JSON list."""
+"""Number of bytes read to detect a JSON list."""
 MOST_NAMED = 8
 
 EXPORTED_MAP = "columns.toml"
-"""Column map that `tactometry export` writes next to its tables."""
+"""File name of the column map that `tactometry export` writes next to its tables."""
 
 
 def trial_files(path: Path, *, foreign: bool = False) -> list[Path]:
-    """Return the trials files of a data set or BIDS folder, or the file.
+    """Return the trials files of a folder, or `path` if it is a file.
 
-    With `foreign`, a folder may also contain tables of another program, directly or in ``data``.
+    With `foreign`, a folder may also contain another program's tables, directly or in ``data``.
 
     Raises `InvalidFile` if there is none.
     """
@@ -46,12 +46,12 @@ def trial_files(path: Path, *, foreign: bool = False) -> list[Path]:
 
 def _refuse_folder(path: Path, *, foreign: bool) -> list[Path]:
     for folder in (path, path / "data"):
-        files_in(folder)  # a glob does not report unreadable folders
+        files_in(folder)  # report unreadable folders, which a glob skips
     column_map = path / EXPORTED_MAP
     if not foreign and column_map.is_file():
         raise InvalidFile(
-            f"{path}: found another program's tables and {EXPORTED_MAP}, which says how they are read, expected "
-            f"--columns {column_map}; its first line is a comment with the whole command"
+            f"{path}: found another program's tables with the column map {EXPORTED_MAP}, expected "
+            f"--columns {column_map}; the comment in its first line is the complete command"
         )
     data_files = _data_files(path) if foreign else []
     folders = {file.parent.name for file in data_files if file.suffix.lower() in TABLES and file.parent != path}
@@ -63,8 +63,7 @@ def _refuse_folder(path: Path, *, foreign: bool) -> list[Path]:
     held = [file.name for file in data_files]
     if held:
         raise InvalidFile(
-            f"{path}: found no table of trials but {first_named(held, MOST_NAMED)}, expected CSV, TSV or JSON; save "
-            "each table as CSV"
+            f"{path}: found only {first_named(held, MOST_NAMED)}, expected CSV, TSV or JSON; save each table as CSV"
         )
     raise InvalidFile(
         f"{path}: found no {OWN_FILES[0]}, expected a data set's folder, a CSV file of trials, or a column map "
@@ -73,23 +72,23 @@ def _refuse_folder(path: Path, *, foreign: bool) -> list[Path]:
 
 
 def unread_notes(path: Path, used: Sequence[Path]) -> Iterator[str]:
-    """Warn of the files and participants of a folder that are not read."""
+    """Warn about files and participants of a folder that are not read."""
     if path.is_file():
         return
     if any(part.startswith("sub-") for part in used[0].relative_to(path).parts[:1]):
         unread = _unread_in_bids(path, used)
     else:
-        # Our tables have sidecars, and other programs save one session in several formats, of which one is read.
+        # Skip the sidecars of our tables, and copies of a session that another program saved in a second format.
         is_own, names = used[0].match(OWN_FILES[0]), {file.stem for file in used}
         copies = (".json", ".tsv") if is_own else OTHER_DATA
         others = [file for file in _data_files(path / "data" if is_own else path) if file not in used]
         unread = [file for file in others if file.stem not in names or file.suffix.lower() not in copies]
     if unread:
-        yield f"not read: {first_named([str(file.relative_to(path)) for file in unread], MOST_NAMED)}"
+        yield f"files not read: {first_named([str(file.relative_to(path)) for file in unread], MOST_NAMED)}"
 
 
 def copy_notes(files: Sequence[Path]) -> Iterator[str]:
-    """Warn of files with the same content."""
+    """Warn about files with the same content."""
     by_size: dict[int, list[Path]] = {}
     for file in files:
         by_size.setdefault(file.stat().st_size, []).append(file)
@@ -98,13 +97,13 @@ def copy_notes(files: Sequence[Path]) -> Iterator[str]:
             first = next((other for other in group[:n] if filecmp.cmp(file, other, shallow=False)), None)
             if first is not None:
                 yield (
-                    f"{first.name} and {file.name} have the same content, and the trials of both were counted; remove "
+                    f"{first.name} and {file.name} have the same content, but the trials of both were counted; remove "
                     "one if it is a copy"
                 )
 
 
 def _tables_in(folder: Path) -> list[Path]:
-    """Return another program's CSV, TSV and JSON tables, else its text files."""
+    """Return another program's CSV, TSV and JSON tables, or text files."""
     held = (file for file in _visible_files(folder.glob("*")) if file.stem not in DESCRIPTIONS)
     files = [file for file in held if file.suffix.lower() in TABLES]
     sure = [file for file in files if file.suffix.lower() in (".csv", ".tsv") or _begins_list(file)]
@@ -120,14 +119,14 @@ def _begins_list(file: Path) -> bool:
 
 def _data_files(path: Path) -> list[Path]:
     """Return files in a folder and its subfolders that may contain trials."""
-    # A report writes its tables and figures into such folders.
+    # skip the folders of reports (tables and figures)
     inner = [file for file in path.glob("*/*") if not re.search("(^figures|_tables)$", file.parent.name)]
     files = _visible_files([*path.glob("*"), *inner])
     return [file for file in files if file.suffix.lower() in (*TABLES, *OTHER_DATA) and file.stem not in DESCRIPTIONS]
 
 
 def _unread_in_bids(path: Path, used: Sequence[Path]) -> list[Path]:
-    """Return subjects that are not read, and other runs of those that are."""
+    """Return unread subjects, and unread runs of other subjects."""
     read, runs = {file.relative_to(path).parts[0] for file in used}, {_run(file) for file in used}
     subjects = sorted(folder for folder in path.glob("sub-*") if folder.is_dir() and folder.name not in read)
     files = (file for form in OWN_FILES[1:] for file in _visible_files(path.glob(form)))
@@ -140,5 +139,5 @@ def _run(file: Path) -> Path:
 
 
 def _visible_files(files: Iterable[Path]) -> list[Path]:
-    """Return the files, sorted, without hidden files and Excel's lock files."""
+    """Return the sorted files without hidden files and Excel's lock files."""
     return sorted(file for file in files if file.is_file() and not file.name.startswith((".", "~$")))

@@ -48,13 +48,13 @@ from .unfolded import ALTERNATIVES, POSITIVE, TOTAL
 
 REQUIRED = ("participant", "level", "task", "response")
 READ = tuple(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL, *FOREIGN))
-"""Columns with a meaning, each allowed once in a table."""
+"""Columns that the analysis uses; each may occur only once in a table."""
 CURVED = tasks_with_level("curve")
 TRIAL_KEY = (
     *("participant", "study", "session", "block", "task", "procedure"),
     *("trial", "attempt", "item", "item_b", "track", "catch", "level"),
 )
-"""Columns that identify a row, with the factors: other programs restart their trial numbers in each condition."""
+"""Columns that identify a row together with the factors, as other programs restart trial numbers in each condition."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Trials:
     notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        """Return the numbers of trials and files, and the conditions, in one line."""
+        """Summarise the trials, participants and factors in one line."""
         of_whom = count_of(self.rows["participant"].nunique(), "participant")
         factors = f"; {', '.join(self.factors)}" if self.factors else ""
         return f"Trials({count_of(len(self.rows), 'row')} of {of_whom}{factors})"
@@ -87,15 +87,15 @@ def read_trials(
 ) -> Trials:
     """Read the trials of a data set folder or of one file.
 
-    The files are ``data/*_data.csv``, or one CSV or tab-separated ``.tsv`` file. With a `column_map` a folder may also
-    contain another program's tables, one per participant or session. Factors are the non-empty columns between
-    ``trial`` and ``procedure``, or those named by `within` (empty: none). Levels are converted to the `level_scale`
-    (`on_scale`), else to that of the map.
+    The files are ``data/*_data.csv`` of a folder, or one CSV or tab-separated ``.tsv`` file. With a `column_map` a
+    folder may also contain another program's tables, one per participant or session. Factors are the non-empty columns
+    between ``trial`` and ``procedure``, or the columns in `within` (may be empty). Levels are converted to
+    `level_scale` (`on_scale`), or else to the scale of the map.
 
     Raises
     ------
     InvalidFile
-        If there is nothing to read, or a table is damaged: file, row, column, what was found and expected.
+        If there is nothing to read, or a table is damaged. The error names the file, row and column.
     InvalidParameter
         If `within` names a missing column, or the levels cannot be converted to the scale.
     """
@@ -108,7 +108,7 @@ def read_trials(
     read = _translated(cells, given, notes)
     raw = with_rows(read) if column_map is None else read
     for file in (file for file, table in raw.items() if table.empty):
-        raise InvalidFile(f"{file}: found no row below the header, expected trials")
+        raise InvalidFile(f"{file}: found no row below the header, expected at least one trial")
     texts = raw if column_map is None else {file: trials_of(table, file) for file, table in raw.items()}
     texts = with_codes(texts, path, notes)
     scale = level_scale or given.level_scale
@@ -124,15 +124,15 @@ def read_trials(
 def _translated(
     cells: Mapping[Path, pd.DataFrame], column_map: ColumnMap, notes: list[str]
 ) -> dict[Path, pd.DataFrame]:
-    """Return tables with our columns, still as text."""
+    """Return tables with Tactometry's columns, still as text."""
     elsewhere, tables = {str(name) for table in cells.values() for name in table.columns}, {}
     for file, own in cells.items():
         table = translate(own, column_map, file, elsewhere, notes.append)
         if "level" not in table.columns and holds(table, "task", FORM_TASK).all():
             table = table.assign(level="")  # questionnaire answers have no level
         for name in REQUIRED:
-            of_counts = f"; for counts name {POSITIVE} and {TOTAL} in [columns] of the map" * (name == "response")
-            expect_column(table, name, file, f"; name it with a column map (--columns){of_counts}")
+            of_counts = f", and {POSITIVE} and {TOTAL} if the table contains counts" * (name == "response")
+            expect_column(table, name, file, f"; assign it in a column map (--columns){of_counts}")
         tables[file] = table
     notes += missing_notes(cells, column_map)
     return tables
@@ -141,25 +141,25 @@ def _translated(
 def _lost_notes(
     cells: Mapping[Path, pd.DataFrame], column_map: ColumnMap, rows: pd.DataFrame, path: Path
 ) -> Iterator[str]:
-    """Warn of participants without rows, and of codes that may be the same."""
+    """Warn about participants without trials, and codes that may be equal."""
     stated = set().union(*(stated_codes(table, column_map) for table in cells.values()))
     short = without_separators(stated, path)
     lost = {short.get(code, code) for code in stated} - set(rows["participant"].unique())
     if lost:
         yield (
-            f"no trial was read of {', '.join(sorted(lost))}: none of their rows was kept by the column map or holds a "
-            "level, an answer or an item"
+            f"no trial was read of {', '.join(sorted(lost))}: the column map keeps none of their rows, or they have no "
+            "level, answer or item"
         )
     yield from alike_notes(rows["participant"].unique())
 
 
 def _between_notes(rows: pd.DataFrame, within: Sequence[str]) -> Iterator[str]:
-    """Warn of factors in `--within` that only vary between participants."""
+    """Warn about factors in `--within` that vary only between participants."""
     for name in within:
         if rows[name].nunique() > 1 and rows.groupby("participant")[name].nunique().max() == 1:
             yield (
-                f"--within {name}: it differs between participants, each of whom has one of its levels; check the "
-                "participant codes if each participant had several"
+                f"--within {name}: each participant has only one level of this factor; check the "
+                "participant codes if it was varied within participants"
             )
 
 
@@ -171,16 +171,16 @@ def trials_in(
     level_scale: str | None = None,
     named_by_us: bool = True,
 ) -> Trials:
-    """Return the trials of `path` from tables of text cells by file.
+    """Build the trials of `path` from tables of text cells by file.
 
-    The names of files that are `named_by_us` contain the participant. Columns of numbers, counts and flags may also be
+    With `named_by_us`, the file names contain the participant. Columns of numbers, counts and flags may already be
     floats, which are not checked.
 
     Raises `InvalidFile` or `InvalidParameter` as `read_trials`.
     """
     same_columns = _with_same_columns if named_by_us else with_all_columns
     tables = same_columns({file: _checked_table(table, file) for file, table in texts.items()})
-    for file, table in tables.items() if named_by_us else ():  # other programs' file names have another form
+    for file, table in tables.items() if named_by_us else ():  # other programs name files differently
         _refuse_other_code(table, file)
         if "rig" in table.columns:
             expect_column(table, "valid", file, "; every table of a session has it")
@@ -194,7 +194,7 @@ def trials_in(
 
 
 def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
-    """Warn of rows that repeat an earlier trial, if trials are numbered.
+    """Warn about rows that repeat an earlier trial, if trials are numbered.
 
     >>> row = {"participant": "P1", "trial": 1.0, "response": "1", "source": "a.csv", "row": 2}
     >>> repetitions(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:58]
@@ -212,14 +212,14 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     repeat = "repeats an earlier trial" if len(again) == 1 else "repeat earlier trials"
     return [
         f"{count_of(len(again), 'row')} {repeat} {place}; {alike} of {len(again)} identical in every cell): "
-        "each counts as a separate trial; remove copies, or number trials through the session"
+        "each counts as a separate trial. Remove copies, or number trials consecutively in each session"
     ]
 
 
 def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """Give all tables the same columns, with `ADDED` ones empty if missing.
+    """Give all tables the same columns; those in `ADDED` may be missing.
 
-    Raises `InvalidFile` if one has other columns than the first.
+    Raises `InvalidFile` if the other columns of a table differ from those of the first.
     """
     header = list(max(tables.values(), key=lambda table: len(ADDED.intersection(table.columns))).columns)
     whole = {}
@@ -232,17 +232,17 @@ def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.Dat
         if (columns := list(whole[file].columns)) != (expected := list(whole[first].columns)):
             odd = ", ".join(sorted(set(columns) ^ set(expected))) or "in another order"
             raise InvalidFile(
-                f"{file}: found other columns than in {first.name} ({odd}), expected the same; analyse different "
+                f"{file}: found columns that differ from {first.name} ({odd}), expected the same; analyse different "
                 "studies separately"
             )
     return whole
 
 
 def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
-    """Refuse a copy under another name, which would count one person twice."""
+    """Raise if a code differs from the file name, as in a renamed copy."""
     code = keys_of(file.stem).get("participant")
     if code is not None:
-        expected = f"{code!r} as in the file's name; remove the file if it is a copy"
+        expected = f"{code!r} as in the file name; remove the file if it is a copy"
         _expect(table, "participant", table["participant"] == code, expected)
 
 
@@ -255,13 +255,13 @@ def _checked_table(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
         table[name] = _numbers(table, name)
     for name in (name for name in FLAGS if name in texts):
         _expect_texts(table, name, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
-        # Floats, as a flag may be missing.
+        # Floats, as flags may be missing.
         table[name] = table[name].map({"": np.nan, "0": 0.0, "1": 1.0}).astype(np.float64)
     _check_answers(table)
     return table
 
 
-_CODE = "a code of 1 to 32 letters and digits, no name and no path"
+_CODE = "a code of 1 to 32 letters and digits, not a name or a path"
 
 
 def _expect_texts(table: pd.DataFrame, name: str, holds: Callable[[str], bool], expected: str) -> None:
@@ -271,26 +271,26 @@ def _expect_texts(table: pd.DataFrame, name: str, holds: Callable[[str], bool], 
 
 
 def _expect(table: pd.DataFrame, name: str, fine: "pd.Series[bool]", expected: str) -> None:
-    """Refuse a table with a row that is not `fine`, naming the first one."""
+    """Raise for the first row that is not `fine`."""
     if fine.all():
         return
     bad = table[~fine]
     cell = bad[name].iloc[0]
     text = "" if pd.isna(cell) else str(cell)
-    # A cell may contain a page of text, too long for a message.
+    # shorten long texts
     shown = "nothing" if not text else repr(text if len(text) <= 40 else text[:40] + "...")
     where = f"{place_of(bad)}, column {name!r}"
     raise InvalidFile(f"{where}: found {shown}, expected {expected}{meaning(name, text)}")
 
 
 OWN = ("row", "source")
-"""Columns that reading adds: row number and file."""
+"""Columns added on reading: row number and file."""
 
 
 def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
     values = numbers_of(table[name])
     fine = pd.Series(np.isfinite(values), table.index)
-    if not fine.all():  # comparing texts is the slowest step
+    if not fine.all():  # check texts only if needed, as comparing them is slow
         fine |= table[name] == ""
         has_comma = table[name][~fine].head(1).str.fullmatch(r"-?\d+,\d+").any()
         _expect(table, name, fine, "a decimal point" if has_comma else "a finite number or nothing")
@@ -304,7 +304,7 @@ def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
 def _check_answers(table: pd.DataFrame) -> None:
     for task in (task for task in sorted(table["task"].unique()) if TASKS[task].is_read):
         rule, of_task = TASKS[task].response, table["task"] == task
-        expected = f"{rule.words}, where the task is {task}"
+        expected = f"{rule.words} (task {task})"
         # Integers may be written as 1.0.
         texts = table.loc[of_task, "response"].unique()
         wrong = [text for text in texts if text and ("_" in text or not rule.holds(text.removesuffix(".0")))]
@@ -324,7 +324,7 @@ def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) ->
     if "procedure" not in header or "trial" not in header:
         raise InvalidFile(
             f"{path}: found no column {'trial' if 'trial' not in header else 'procedure'!r}, expected the factors "
-            "between 'trial' and 'procedure'; name the factors with --within A,B (--within '' where there are none)"
+            "between 'trial' and 'procedure'; name the factors with --within A,B (--within '' if there are none)"
         )
     factors = stated_factors(header)
     for name in factors:
@@ -337,7 +337,7 @@ def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) ->
 
 
 def _is_filled(column: "pd.Series[Any]") -> bool:
-    """Return True if any cell has a value, unlike in a compared factor."""
+    """Return True if any cell of the column has a value."""
     return column.empty or bool((column.notna() & (column.astype(str) != "")).any())
 
 
@@ -350,18 +350,18 @@ def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
     numbers = numbers_of(text)
     if not np.isfinite(numbers[text != ""]).all():
         return text
-    # Beyond 2^53 floats skip integers, so two levels could become equal.
+    # Beyond 2^53 floats cannot represent every integer, so two levels could become equal.
     is_whole = bool((numbers == np.floor(numbers)).all() and (numbers.abs() < 2**53).all())
     return numbers.astype(np.int64) if is_whole else numbers
 
 
 def used_rows(trials: Trials) -> pd.DataFrame:
-    """Return the rows that enter a fit: valid, answered and not practice."""
+    """Return the rows used in fits: valid, answered and not practice."""
     rows = asked_rows(trials)
     return rows[rows["response"] != ""]
 
 
 def asked_rows(trials: Trials) -> pd.DataFrame:
-    """Return the valid rows without practice, answered or not."""
+    """Return the valid rows without practice, whether answered or not."""
     rows = trials.rows
     return rows[~holds(rows, "valid", 0) & ~holds(rows, "practice", 1)]

@@ -14,13 +14,13 @@ from tactometry.trials.tasks import FORM_TASK
 from .rows import expect_column, numbers_of
 
 POSITIVE, TOTAL = "n_positive", "n_trials"
-"""Columns of a table of counts: answers that were yes or correct, and all answers."""
+"""Columns of a table of counts: number of "yes" or correct answers, and number of all answers."""
 COUNTED = "counts"
-"""Procedure of rows that were made from counts, whose order has no meaning."""
+"""Value of `procedure` in rows made from counts, whose order has no meaning."""
 CHOICE = "forced_choice"
 ALTERNATIVES = "n_alternatives"
 MOST_COUNTED = 10_000_000
-"""Trials in a table of counts (unverified default)."""
+"""Largest number of trials in a table of counts (unverified default)."""
 
 
 def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
@@ -28,12 +28,12 @@ def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
     Positive answers are spread evenly over the trials of their row, as their order is not known.
 
-    Raises `InvalidFile` if one of the two columns is missing, or a row has no counts, or more positive answers than
+    Raises `InvalidFile` if the column of totals is missing, or if a row lacks counts or has more positive answers than
     trials.
     """
     if POSITIVE not in table.columns:
         return table
-    expect_column(table, TOTAL, file, f", the number of trials of which {POSITIVE} were positive")
+    expect_column(table, TOTAL, file, f", the number of trials that {POSITIVE} refers to")
     positive, total = (numbers_of(table[name].str.strip()).to_numpy() for name in (POSITIVE, TOTAL))
     is_count = (positive >= 0) & (positive <= total) & (positive % 1 == 0) & (total % 1 == 0)
     if not is_count.all():
@@ -42,7 +42,7 @@ def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
         first, *others = wrong["row"]
         raise InvalidFile(
             f"{file}{rows_text(first, others, len(wrong))}: found {found} ({POSITIVE} of {TOTAL}), expected whole "
-            "numbers, at most as many positive as all"
+            f"numbers, with {POSITIVE} not above {TOTAL}"
         )
     if total.sum() > MOST_COUNTED:
         raise InvalidFile(f"{file}: found {total.sum():g} trials in counts, expected at most {MOST_COUNTED}")
@@ -57,22 +57,22 @@ def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 
 def with_responses(table: pd.DataFrame, file: Path) -> pd.DataFrame:
-    """Add responses to forced choices that only state if they are correct.
+    """Add responses to forced choices that are only scored as correct.
 
-    The number of the interval is then not known: 1 stands for a correct answer, 2 for a wrong one.
+    The chosen interval is then unknown: 1 stands for a correct answer, 2 for an incorrect one.
 
-    Raises `InvalidFile` if nothing states the number of alternatives.
+    Raises `InvalidFile` if the number of alternatives is unknown.
     """
     is_choice = {"task", "correct"} <= set(table.columns) and (table["task"] == CHOICE).all()
     if "response" in table.columns or not is_choice:
         return table
-    why = f"; where 'correct' alone is known, write {ALTERNATIVES} = 2 into [constants] of the column map"
+    why = f"; if only 'correct' is known, set {ALTERNATIVES} = 2 in [constants] of the column map"
     expect_column(table, ALTERNATIVES, file, why)
     return table.assign(response=table["correct"].map({"1": "1", "0": "2"}).fillna(""))
 
 
 def survey_answers(table: pd.DataFrame, file: Path, warn: Callable[[str], None]) -> pd.DataFrame:
-    """Return a row for each item of a jsPsych survey, whose response is JSON."""
+    """Return one row for each item of a jsPsych survey."""
     if not {"task", "response"} <= set(table.columns):
         return table
     nested = table["response"].str.startswith("{")
@@ -92,14 +92,12 @@ def survey_answers(table: pd.DataFrame, file: Path, warn: Callable[[str], None])
         column[is_item] = texts
         rows = rows.assign(**{name: column})
     where = f"{file.name}, row {table['row'][table.index.isin(list(answers))].iloc[0]}"
-    warn(
-        f"{count_of(len(answers), 'row')} of answers to a survey were read as the task {FORM_TASK} (the first: {where})"
-    )
+    warn(f"{count_of(len(answers), 'row')} of survey answers read as the task {FORM_TASK} (the first: {where})")
     return rows.reset_index(drop=True)
 
 
 def _object(text: str) -> dict[str, str]:
-    """Read a JSON object of answers, empty if the text is none.
+    """Read a JSON object of answers; other text returns an empty dict.
 
     >>> _object('{"Q0": 3, "Q1": "often"}'), _object("{left}")
     ({'Q0': '3', 'Q1': 'often'}, {})

@@ -1,1 +1,1 @@
-"""Report of an analysis: sentences, page, terminal, JSON, PDF."""
+"""Report of an analysis as HTML page, terminal output, JSON and PDF."""

@@ -13,7 +13,7 @@ def caption(macro: str, *values: object, **named: object) -> str:
 
 
 def facts_of(means: pd.DataFrame) -> dict[str, object]:
-    """Return what the template needs to know of a table of means."""
+    """Return the properties of a table of means that the templates use."""
     return {
         "known": [name for name in means.columns if means[name].notna().any()],
         "is_one": "n" in means.columns and means["n"].max() == 1,
@@ -23,7 +23,7 @@ def facts_of(means: pd.DataFrame) -> dict[str, object]:
 
 
 def means_text(form: str, means: pd.DataFrame, *dots: str) -> str:
-    """Describe means and intervals in a form: whose, cells, sentence, figure.
+    """Describe means: ``whose``, ``cells``, ``sentence`` or ``figure``.
 
     >>> means = pd.DataFrame({"mean": [1.0], "mean_low": [0.5], "n": [2]})
     >>> means_text("whose", means), means_text("cells", means)

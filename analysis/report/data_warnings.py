@@ -1,4 +1,4 @@
-"""Warnings about the data, which a reader sees before the results."""
+"""Warnings about the data, listed in the report before the results."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -30,11 +30,11 @@ FEW_TRIALS = 15
 STATUS_WORDS = {
     Status.BELOW: "with a threshold below the levels: only its upper bound is known",
     Status.ABOVE: "with a threshold above the levels: only its lower bound is known",
-    Status.SEPARATED: "with one step between two levels: the width has an upper bound only",
-    Status.FLAT: "without a clear rise with the level: an interval is reported instead of a threshold",
-    Status.NON_MONOTONE: "with a rate that falls at rising level by more than chance explains",
+    Status.SEPARATED: "with a single step between two levels: only an upper bound of the width is known",
+    Status.FLAT: "in which the rate does not clearly rise with the level: only an interval is reported",
+    Status.NON_MONOTONE: "in which the rate falls with rising level by more than chance",
     Status.TOO_FEW_LEVELS: "with fewer than three levels",
-    Status.NO_DATA: "without a trial at a level",
+    Status.NO_DATA: "without trials at any level",
 }
 
 
@@ -45,7 +45,7 @@ def warnings_of(analysis: Analysis) -> tuple[str, ...]:
     warnings += _exclusion_warnings(analysis.table("excluded"))
     warnings += _unused_warnings(trials)
     for outcome in analysis.outcomes:
-        if outcome.task in RESULTS:  # values without a curve
+        if outcome.task in RESULTS:  # tasks without a psychometric function
             warnings += _missing_cells(outcome.estimates, outcome.factors)
     warnings += _curve_warnings(analysis, estimates) if len(estimates) else ()
     warnings += _other_tasks(trials)
@@ -60,13 +60,13 @@ def warnings_of(analysis: Analysis) -> tuple[str, ...]:
 def _exclusion_warnings(excluded: pd.DataFrame) -> Iterator[str]:
     for rule, lost in excluded.groupby("rule", sort=False) if len(excluded) else ():
         numbers = ", ".join(f"{row.participant} {row.n_trials}" for row in lost.itertuples(index=False))
-        yield f"left out by the rule {rule} = {lost['bound'].iloc[0]:g}, numbers of trials: {numbers}"
+        yield f"excluded by the rule {rule} = {lost['bound'].iloc[0]:g} (numbers of trials): {numbers}"
 
 
 def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str]:
     factors = analysis.factors
     yield from _missing_cells(estimates, factors)
-    few = f"with fewer than {FEW_TRIALS} trials: such intervals rest on the priors"
+    few = f"with fewer than {FEW_TRIALS} trials: the priors strongly influence these intervals"
     kinds = [(text, estimates["status"] == status.value) for status, text in STATUS_WORDS.items()]
     for text, concerned in (*kinds, (few, estimates["n_trials"] < FEW_TRIALS)):
         if concerned.any():
@@ -76,29 +76,29 @@ def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str
     yield from lapse_warnings(analysis.table(LAPSES), factors)
     for task, n_catch in estimates.groupby("task", sort=False)["n_catch"]:
         if CURVES[str(task)].counts_catch and not n_catch.sum():
-            yield f"no catch trials where the task is {task}: the guess rate rests on its prior alone"
+            yield f"no catch trials in the task {task}: only the prior determines the guess rate"
     yield from _alternatives_warnings(analysis)
 
 
 def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """Warn of conditions that others have and a participant lacks, by task."""
+    """Warn about conditions that only some participants have, by task."""
     for task, of_task in table.groupby("task", sort=False):
-        # A factor that only varies between participants is not missing in any.
+        # Ignore factors that vary only between participants.
         inside = [name for name in factors if of_task.groupby("participant")[name].nunique().max() > 1]
         keys = ["participant", *inside]
         whole = of_task[["participant"]].drop_duplicates().merge(of_task[inside].drop_duplicates(), how="cross")
         held = whole.merge(of_task[keys].drop_duplicates(), how="left", indicator=True)
         lost = held[held["_merge"] == "left_only"].sort_values(keys)
         if len(lost):
-            yield f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({named_cells(lost, inside)})"
+            yield f"{len(lost)} of {len(held)} cells of {task} have no valid trial ({named_cells(lost, inside)})"
 
 
 def _unused_warnings(trials: Trials) -> Iterator[str]:
-    """Warn of participants and forced choices without a usable answer."""
+    """Warn about participants and forced choices without a usable answer."""
     used = used_rows(trials)
     lost = sorted(set(trials.rows["participant"].unique()) - set(used["participant"].unique()))
     if lost:
-        yield f"no valid answer, and therefore no result, of {first_named(lost)}"
+        yield f"no valid answers, and therefore no results, of {first_named(lost)}"
     choices = used[used["task"].isin(CHOICES)]
     unknown = choices[correctness(choices).isna()]
     if len(unknown):
@@ -110,19 +110,19 @@ def _unused_warnings(trials: Trials) -> Iterator[str]:
 
 
 def _alternatives_warnings(analysis: Analysis) -> Iterator[str]:
-    """Warn of alternatives that were not stated, or differ by condition."""
+    """Warn if the number of alternatives is inferred, or differs by condition."""
     found, columns = analysis.n_choices, analysis.trials.rows.columns
     if not found or STATED in columns:
         return
     if "target" not in columns:
         numbers = " and ".join(map(str, found))
-        yield f"no column 'target' in a forced choice: {numbers} alternatives were taken from the answers given"
+        yield f"no column 'target' in a forced choice: {numbers} alternatives were inferred from the answers"
     if len(found) > 1:
         conditions = {n: ", ".join(" ".join(map(str, one)) for one in each) for n, each in found.items()}
         named = "; ".join(f"{n}: {text}" for n, text in conditions.items())
         yield (
-            f"conditions of the forced choice have different numbers of alternatives by their answers ({named}); if "
-            f"that is wrong, state the column {STATED!r} in a column map"
+            "according to their answers, conditions of the forced choice differ in the number of alternatives "
+            f"({named}). If this is wrong, set {STATED!r} in a column map"
         )
 
 
@@ -134,14 +134,14 @@ def _other_tasks(trials: Trials) -> Iterator[str]:
         known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)
     other = rows[~known]
     if len(other):
-        yield f"not analysed, rows of other tasks: {len(other)} ({', '.join(sorted(other['task'].unique()))})"
+        yield f"rows of other tasks, not analysed: {len(other)} ({', '.join(sorted(other['task'].unique()))})"
 
 
 def _unanswered_forms(trials: Trials) -> Iterator[str]:
     for form, rows in asked_forms(trials):
         if (rows["response"] == "").all():
             who = count_of(rows["participant"].nunique(), "participant")
-            yield f"{form.title}: of {who} none answered, so there is no score"
+            yield f"{form.title}: none of {who} answered, so there is no score"
 
 
 def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
@@ -155,21 +155,21 @@ def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
         lost = frames[frames["n_dropped_frames"] > MANY_DROPPED * frames["n_due"]]
         numbers = ", ".join(f"{row.participant} {row.n_dropped_frames} of {row.n_due}" for row in lost.itertuples())
         if numbers:
-            yield f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {numbers}"
+            yield f"more than {percent_text(MANY_DROPPED)} of screen frames dropped: {numbers}"
     invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
     if len(invalid):
         yield f"more than {percent_text(MANY_INVALID)} invalid trials: {', '.join(invalid['participant'])}"
 
 
 def _practice_warnings(analysis: Analysis) -> Iterator[str]:
-    """Name participants who missed the practice criterion, and each decision."""
+    """Warn about missed practice criteria, and list the decisions."""
     quality, events = analysis.tables["quality"], analysis.table("happenings")
     if "practice_missed" in quality.columns and quality["practice_missed"].any():
         missed = quality.loc[quality["practice_missed"] == 1, "participant"]
-        yield f"practice ended without meeting its criterion: {', '.join(missed)}"
+        yield f"practice criterion not met: {', '.join(missed)}"
     if len(events):
         asked = events[events["text"].str.startswith(PRACTICE_MISSED)]
         chosen = asked["text"].str.removeprefix(PRACTICE_MISSED).groupby(asked["participant"]).agg(", ".join)
         if len(chosen):
             choices = "; ".join(f"{participant} {words}" for participant, words in chosen.items())
-            yield f"after practice below the criterion the experimenter chose: {choices}"
+            yield f"decision of the experimenter after missed practice criterion: {choices}"

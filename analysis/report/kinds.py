@@ -1,4 +1,4 @@
-"""Kinds of results in the order of the page, each a file in `sections`."""
+"""Kinds of results in the order of the page; each is a file in `sections`."""
 
 from tactometry.loading import resolve
 

@@ -1,4 +1,4 @@
-"""The methods paragraph of a report, and the works that it cites."""
+"""Methods paragraph of a report, and its references."""
 
 from collections.abc import Iterator, Sequence
 from importlib.metadata import version
@@ -26,7 +26,7 @@ SHAPES = {
 
 
 def methods(analysis: Analysis) -> str:
-    """Return a paragraph for the methods section: what ran, with versions."""
+    """Return a methods paragraph on the analyses that ran, with versions."""
     fitted = [outcome.task for outcome in analysis.hierarchical if outcome.fit]
     used = {name for outcome in analysis.outcomes for name in outcome.equivalence}
     packages = [f"{name} {version(name)}" for name in PACKAGES]
@@ -50,7 +50,7 @@ def methods(analysis: Analysis) -> str:
 def references(methods: str) -> list[str]:
     """Return the works that the methods paragraph cites."""
     works = (*source("references.txt").splitlines(), *(work for results in RESULTS.values() for work in results.works))
-    # The paragraph names a work by its first author.
+    # the paragraph cites each work by its first author
     return sorted(work for work in works if work.partition(",")[0] in methods)
 
 
@@ -67,7 +67,7 @@ def _fits(analysis: Analysis) -> dict[str, object]:
 
 
 def _is_tested(fits: pd.DataFrame) -> bool:
-    """Return True if the goodness of any of these fits was tested."""
+    """Return True if goodness of fit was tested for any of these fits."""
     return len(fits) > 0 and bool(fits["deviance_p"].notna().any())
 
 
@@ -80,7 +80,7 @@ def _rules(analysis: Analysis) -> dict[str, object]:
 
 
 def _libraries(analysis: Analysis) -> Iterator[str]:
-    """Yield each statistics package that was used, with version and use."""
+    """Yield each statistics package that was used, with its version and uses."""
     outcomes = [*analysis.outcomes, *(outcome for form in analysis.forms for outcome in form.outcomes.values())]
     anovas = [outcome.anova.attrs.get("library") for outcome in outcomes if outcome.anova is not None]
     anovas += ["pingouin" for form in analysis.forms if form.crossed is not None]
@@ -93,7 +93,7 @@ def _libraries(analysis: Analysis) -> Iterator[str]:
         "Cronbach's alpha": any(form.consistency["alpha"].notna().any() for form in analysis.forms),
     }
     of_statsmodels = {
-        "analyses of variance of three factors or with groups of participants": "statsmodels" in anovas,
+        "analyses of variance with three factors or groups of participants": "statsmodels" in anovas,
         "Bradley-Terry worths": preference.TASK in analysis.tables,
         "linear mixed models": any(outcome.model is not None and not outcome.model.n_censored for outcome in outcomes),
     }
@@ -104,7 +104,7 @@ def _libraries(analysis: Analysis) -> Iterator[str]:
 
 
 def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: str | None) -> str:
-    """Describe the group analyses (`named` is the plan's primary analysis)."""
+    """Describe the group analyses; `named` is the plan's primary analysis."""
     every = [*outcomes, *(outcome for form in forms for outcome in form.outcomes.values())]
     means = [*(outcome.group for outcome in outcomes), *(form.summary for form in forms)]
     tested = [outcome for outcome in every if outcome.analyses().keys() & {Primary.ANOVA, Primary.CENSORED}]
@@ -133,7 +133,7 @@ def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: 
 
 
 def _comparisons(outcomes: Sequence[Outcome], *, has_reference: bool) -> dict[str, bool]:
-    """Return which kinds of comparison were made."""
+    """Return True for each kind of comparison that was made."""
     censored = [outcome for outcome in outcomes if outcome.primary is Primary.CENSORED]
     others = [outcome for outcome in outcomes if outcome.primary is not Primary.CENSORED]
     return {

@@ -1,4 +1,4 @@
-"""Output of a report: HTML page, tables as CSV, figures as files, and PDF."""
+"""Output of a report: HTML page, CSV tables, figure files and PDF."""
 
 import re
 import shutil
@@ -29,11 +29,11 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 WEASYPRINT = "weasyprint"
 PDF_TIMEOUT_S = 120.0
 Drawn = tuple[str, bytes | None]
-"""SVG text of a figure, and its PNG."""
+"""SVG text of a figure, and its PNG (None if not requested)."""
 
 
 class DrawEach(Protocol):
-    """Function that draws figures in order, here or in other processes."""
+    """Function like `map` that draws figures, possibly in other processes."""
 
     def __call__(self, draw: Callable[[Figure], Drawn], figures: Iterable[Figure], /) -> Iterable[Drawn]: ...
 
@@ -41,21 +41,21 @@ class DrawEach(Protocol):
 def write_report(
     analysis: Analysis, path: str | Path, *, pdf: bool = False, svgs: Mapping[str, str] | None = None
 ) -> Analysis:
-    """Write the report, its tables (folder ``<stem>_tables``) and a PDF.
+    """Write the report, its tables and, if requested, a PDF.
 
-    The figures are drawn unless their `svgs` are stated by name.
+    The tables are written to the folder ``<stem>_tables``. `svgs` contains figures that are already drawn, by name.
 
     Raises
     ------
     InvalidParameter
         If `path` does not end in ``.html``.
     DeviceFailed
-        If something cannot be written or printed.
+        If a file cannot be written or printed.
     """
     path = Path(path)
     check_report(path)
     folder = path.with_name(f"{path.stem}_tables")
-    with attempt(path, "cannot be written, or its tables", "a place to write to"):
+    with attempt(path, "or its tables cannot be written", "a writable folder"):
         folder.mkdir(parents=True, exist_ok=True)
         page = render(analysis, svgs)
         _remove_earlier(folder)
@@ -69,7 +69,7 @@ def write_report(
 
 
 def _remove_earlier(folder: Path) -> None:
-    """Remove the tables that an earlier report listed."""
+    """Remove the tables of an earlier report."""
     listed = folder / LIST_OF_TABLES
     names = listed.read_text(encoding="utf-8", errors="replace").splitlines() if listed.exists() else []
     for name in names:
@@ -78,21 +78,21 @@ def _remove_earlier(folder: Path) -> None:
 
 
 def check_report(path: Path) -> None:
-    """Refuse a report whose name does not end in ``.html``."""
+    """Raise for a report whose name does not end in ``.html``."""
     expect(path.suffix.lower() in (".html", ".htm"), "--report", repr(path.name), "a file name that ends in .html")
 
 
 def draw_figures(analysis: Analysis, spread: DrawEach = map, folder: Path | None = None) -> dict[str, str]:
     """Return the SVG text of each figure by name.
 
-    With a `folder`, also write each as SVG and PNG (300 dots per inch) with the table of its numbers. `spread`
-    distributes the drawing over processes.
+    With a `folder`, each figure is also written as SVG and PNG (300 dots per inch) with a table of its numbers.
+    `spread` may draw figures in parallel.
 
-    Raises `DeviceFailed` if something cannot be written.
+    Raises `DeviceFailed` if a file cannot be written.
     """
     figures, svgs = figures_of(analysis), {}
     drawn = spread(partial(_drawn, with_png=folder is not None), figures)
-    with nullcontext() if folder is None else attempt(folder, "cannot be written", "a place to write to"):
+    with nullcontext() if folder is None else attempt(folder, "cannot be written", "a writable folder"):
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
         for figure, (svg, png) in zip(figures, drawn, strict=True):
@@ -111,13 +111,13 @@ def _drawn(figure: Figure, with_png: bool) -> Drawn:
 
 
 def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
-    """Write each table as NAME.csv in the folder."""
+    """Write each table to the folder as NAME.csv."""
     for name, table in tables.items():
         (folder / f"{file_text(name)}.csv").write_bytes(csv_bytes(table))
 
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
-    """Format a table as CSV whose texts a spreadsheet does not evaluate.
+    """Format a table as CSV without cells that could run as formulas.
 
     >>> csv_bytes(pd.DataFrame({"@pattern": ["=1+1", "P0"], "threshold": [-1.5, None]}))
     b"'@pattern,threshold\\n'=1+1,-1.5\\nP0,\\n"
@@ -127,11 +127,11 @@ def csv_bytes(table: pd.DataFrame) -> bytes:
 
 
 def render(analysis: Analysis, svgs: Mapping[str, str] | None = None) -> str:
-    """Return the page as HTML. The same data return the same text."""
+    """Return the page as HTML; the same data yield the same text."""
     svgs = draw_figures(analysis) if svgs is None else svgs
     rows = analysis.trials.rows
     studies = sorted(set(rows["study"]) - {""}) if "study" in rows.columns else []
-    # The first line of the page already states that participants were simulated.
+    # The first line of the page already contains the warning about simulated participants.
     warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
     notes = [note for outcome in analysis.outcomes for note in outcome.notes]
     notes += [note for form in analysis.forms for note in form.notes]
@@ -154,7 +154,7 @@ def render(analysis: Analysis, svgs: Mapping[str, str] | None = None) -> str:
 
 
 def sections_of(analysis: Analysis) -> list[Section]:
-    """Return all sections between warnings and methods."""
+    """Return all sections between the warnings and the methods."""
     return [section for kind in KINDS for section in kind.sections(analysis)]
 
 
@@ -177,31 +177,33 @@ def nonbreaking(text: str) -> str:
 
 
 def _with_unique_names(svg: str, n: int) -> str:
-    """Make element names of a figure unique in the page."""
+    """Make the element names of a figure unique within the page."""
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", svg)
 
 
 def print_pdf(path: Path) -> Path:
     """Print the page to a PDF in the same folder.
 
-    Raises `DeviceFailed` if there is neither browser nor WeasyPrint, or it fails.
+    Raises `DeviceFailed` if neither a browser nor WeasyPrint is installed, or if it fails.
     """
     engine = next(filter(None, map(shutil.which, (*BROWSERS, WEASYPRINT))), None)
     if engine is None:
         raise DeviceFailed(
-            f"--pdf: found neither a browser ({', '.join(BROWSERS)}) nor {WEASYPRINT}, expected one; print {path} by "
-            "hand"
+            f"--pdf: found neither a browser ({', '.join(BROWSERS)}) nor {WEASYPRINT}, expected one of them; print "
+            f"{path} manually"
         )
     target = path.with_suffix(".pdf").resolve()
-    target.unlink(missing_ok=True)  # an earlier file would hide a failure
+    target.unlink(missing_ok=True)  # otherwise an earlier file could hide a failure
     with tempfile.TemporaryDirectory() as profile:
         command = _command(engine, path, target, profile)
         try:
             done = subprocess.run(command, capture_output=True, timeout=PDF_TIMEOUT_S, check=False)
         except subprocess.TimeoutExpired:
-            raise DeviceFailed(f"--pdf: {engine} did not end in {PDF_TIMEOUT_S:g} s; print {path} by hand") from None
+            raise DeviceFailed(
+                f"--pdf: {engine} did not finish within {PDF_TIMEOUT_S:g} s; print {path} manually"
+            ) from None
     if done.returncode != 0 or not target.exists():
-        raise DeviceFailed(f"--pdf: {engine} ended with status {done.returncode}; print {path} by hand")
+        raise DeviceFailed(f"--pdf: {engine} failed with status {done.returncode}; print {path} manually")
     return target
 
 

@@ -1,4 +1,4 @@
-"""Parts of a report: sections with blocks, tables, and values of JSON."""
+"""Parts of a report: sections of blocks, and terminal tables."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,15 +14,15 @@ from ..wording import cell_text, header_of, plain_text
 
 @dataclass(frozen=True)
 class TextGrid:
-    """Table as text, with headings in words."""
+    """Table of text cells with readable headings."""
 
     kind: ClassVar = "table"
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
-    @cached_property  # used in every cell of the page
+    @cached_property  # cached, as every cell of the page uses it
     def is_text(self) -> tuple[bool, ...]:
-        """True for the first column and each with a cell without a digit.
+        """True for the first column and columns with a cell without digits.
 
         >>> TextGrid(("participant", "mean", "note"), (("P01", "1.2", "no pairs"), ("P02", "", ""))).is_text
         (True, False, True)
@@ -33,7 +33,7 @@ class TextGrid:
 
 
 def grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
-    """Format a table, with levels as stated and three significant digits.
+    """Format a table: levels as stated, numbers with three digits.
 
     >>> grid(pd.DataFrame({"force_n": [0.5], "mean": [0.5]}), ["force_n"])
     TextGrid(header=('Force (N)', 'mean'), rows=(('0.5', '0.500'),))
@@ -71,7 +71,7 @@ class Sentences:
 
 @dataclass(frozen=True)
 class Folded:
-    """Sentences by heading, the first `n_open` unfolded."""
+    """Sentences by heading, folded except for the first `n_open`."""
 
     kind: ClassVar = "folded"
     by_heading: Mapping[str, Sequence[str]]
@@ -83,10 +83,10 @@ Draw = Callable[[], Drawing]
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure with file name, caption and table of its numbers.
+    """A figure with its file name, caption and table.
 
-    `of` (column, value) selects rows of the table. The figure is drawn when written, as all figures
-    of a report take 30 MiB for each participant.
+    `of` (column, value) selects rows of the table. The figure is drawn only when written, as all figures of a report
+    take 30 MiB per participant.
     """
 
     kind: ClassVar = "figure"
@@ -102,7 +102,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Details:
-    """Folded blocks."""
+    """Blocks under a title that can be unfolded."""
 
     kind: ClassVar = "details"
     title: str
@@ -111,7 +111,7 @@ class Details:
 
 
 def details(title: str, table: pd.DataFrame, factors: Sequence[str]) -> Details:
-    """Return a folded table whose title states the number of its rows."""
+    """Return a folded table whose title contains its number of rows."""
     return Details(f"{title} ({len(table)} rows)", (grid(table, factors),))
 
 
@@ -121,22 +121,22 @@ Blocks = Iterator[Content]
 
 @dataclass(frozen=True)
 class Section:
-    """Part of the page, which continues the previous one without a title."""
+    """Part of the page; without a title it continues the previous section."""
 
     title: str
     blocks: tuple[Content, ...]
 
     def figures(self) -> list[Figure]:
-        """Return the figures of its blocks, folded ones included."""
+        """Return the figures of the section, including folded ones."""
         folded = [inner for block in self.blocks if isinstance(block, Details) for inner in block.blocks]
         return [block for block in (*self.blocks, *folded) if isinstance(block, Figure)]
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """Table of the terminal with sentences below it.
+    """Terminal table with sentences below it.
 
-    `across` names its headings.
+    `across` is the common name of the column headings.
     """
 
     cross: pd.DataFrame
@@ -147,7 +147,7 @@ class TextTable:
 
 @dataclass(frozen=True)
 class ResultKind:
-    """Kind of result, with its sections, terminal tables and JSON values."""
+    """Presentation of one kind of result on page, in terminal and as JSON."""
 
     sections: Callable[[Analysis], Iterable[Section]] = field(default=lambda analysis: ())
     terminal: Callable[[Analysis], Iterable[TextTable]] = field(default=lambda analysis: ())
@@ -155,5 +155,5 @@ class ResultKind:
 
 
 def rows_of(*names: str) -> Callable[[Analysis], Iterable[tuple[str, object]]]:
-    """Return a function that gives tables as values of JSON."""
+    """Return a function that yields the named tables as JSON values."""
     return lambda analysis: [(name, analysis.table(name)) for name in names]

@@ -1,4 +1,4 @@
-"""Sentences of outcomes, hierarchical fits and questionnaires by heading."""
+"""Sentences about outcomes, fits and questionnaires, by heading."""
 
 import pandas as pd
 
@@ -10,15 +10,15 @@ from .texts import lines
 
 COMPONENTS = {
     "threshold": "thresholds {}{}",
-    "threshold_cell": "their deviations by condition {}{}",
-    "log_width": "logarithms of the width {}",
-    "log_width_cell": "their deviations by condition {}",
+    "threshold_cell": "threshold deviations by condition {}{}",
+    "log_width": "log widths {}",
+    "log_width_cell": "log width deviations by condition {}",
 }
-"""Texts of the standard deviations of a hierarchical fit, with value and unit."""
+"""Texts for the standard deviations of a hierarchical fit, with value and unit."""
 
 
 def outcome_sentences(outcome: Outcome, of_levels: str) -> dict[str, list[str]]:
-    """Return all sentences by heading, given the unit of the levels."""
+    """Return all sentences about an outcome, by heading."""
     unit = outcome.unit(of_levels).partition(" re ")[0]  # a difference has no reference
     by_heading = {} if outcome.primary is None else {outcome.heading(): primary_sentences(outcome)}
     for (name, by), table in outcome.simple.items():
@@ -39,7 +39,7 @@ def outcome_sentences(outcome: Outcome, of_levels: str) -> dict[str, list[str]]:
 
 
 def primary_sentences(outcome: Outcome) -> list[str]:
-    """Return the sentences of the primary analysis."""
+    """Return the sentences about the primary analysis."""
     return [] if outcome.primary is None else _analysis_sentences(outcome, outcome.primary)
 
 
@@ -51,7 +51,7 @@ def _analysis_sentences(outcome: Outcome, name: Primary) -> list[str]:
 
 
 def table_sentences(kind: str, table: pd.DataFrame, *facts: object, **named: object) -> list[str]:
-    """Return a sentence for each row of a table, by a macro of `sentences.j2`.
+    """Return a sentence for each row, by a macro of `sentences.j2`.
 
     >>> row = {"Source": "force", "ddof1": 2, "ddof2": 14, "F": 38.121, "p_CM_corr": 6e-6, "eps_CM": 0.9}
     >>> size = {"np2": 0.845, "np2_low": 0.616, "np2_high": 0.892, "ng2": 0.106}
@@ -68,7 +68,7 @@ def table_sentences(kind: str, table: pd.DataFrame, *facts: object, **named: obj
 
 
 def hierarchical_sentences(outcome: HierarchicalOutcome, unit: str) -> list[str]:
-    """Return effects, variances and rates of a hierarchical fit, and its note."""
+    """Return sentences about effects, variances and rates of a fit."""
     components = {} if outcome.fit is None else outcome.fit.components
     unit = f" {unit.partition(' re ')[0]}" if unit else ""
     known = [name for name in COMPONENTS if name in components]
@@ -77,7 +77,7 @@ def hierarchical_sentences(outcome: HierarchicalOutcome, unit: str) -> list[str]
 
 
 def form_sentences(form: Ratings) -> dict[str, list[str]]:
-    """Return all sentences of a questionnaire by heading."""
+    """Return all sentences about a questionnaire by heading."""
     by_heading: dict[str, list[str]] = {}
     if form.crossed is not None:
         by_heading["Frequency by envelope, without the single focus"] = _by_dimension(form.crossed, "anova")
@@ -90,7 +90,7 @@ def form_sentences(form: Ratings) -> dict[str, list[str]]:
 
 
 def _by_dimension(table: pd.DataFrame, kind: str) -> list[str]:
-    statistic = table.get("F", table.get("t"))  # missing where nothing was tested
+    statistic = table.get("F", table.get("t"))  # missing if nothing was tested
     is_tested = pd.Series(False, table.index) if statistic is None else statistic.notna()
     found = []
     for dimension, rows in table.groupby("dimension", sort=False):

@@ -1,4 +1,4 @@
-"""Title and procedure of a study, from its file without defaults."""
+"""Title and procedure of a study, written from its file."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -16,57 +16,57 @@ from .texts import paragraph
 
 Table = Mapping[str, Any]
 STIMULI = {
-    "amplitude_modulated": "electrovibration whose amplitude was modulated",
-    "sine": "electrovibration by a sine of voltage",
+    "amplitude_modulated": "amplitude-modulated electrovibration",
+    "sine": "electrovibration with a sinusoidal voltage",
     "focus": "a time-reversal focus",
     "pattern": "a pattern of time-reversal foci",
-    "hybrid": "time-reversal foci and electrovibration at once",
-    "measured_focus": "a time-reversal focus, read by a vibrometer",
-    "foci": "time-reversal foci under one or several fingers",
-    "square": "electrovibration by a square wave of voltage",
-    "triangle": "electrovibration by a triangle wave of voltage",
-    "pulse_train": "electrovibration by pulses of voltage",
-    "trapezoid": "electrovibration by a trapezoid wave of voltage",
-    "step": "a step of voltage on an electrovibration surface",
+    "hybrid": "simultaneous time-reversal foci and electrovibration",
+    "measured_focus": "a time-reversal focus, measured by a vibrometer",
+    "foci": "time-reversal foci under one or more fingers",
+    "square": "electrovibration with a square-wave voltage",
+    "triangle": "electrovibration with a triangle-wave voltage",
+    "pulse_train": "electrovibration with voltage pulses",
+    "trapezoid": "electrovibration with a trapezoidal voltage",
+    "step": "a voltage step on an electrovibration surface",
     "texture": "a texture rendered by electrovibration",
     "wav": "a signal from a file",
 }
 WORDS = {
     "catch_rate": "share of catch trials",
-    "easy_level": "their level",
+    "easy_level": "level of easy trials",
     "easy_share": "share of easy trials",
     "form": "questionnaire",
     "high": "highest level",
     "hold_s": "force held before each stimulus",
     "low": "lowest level",
     "n_alternatives": "alternatives",
-    "n_attempts": "attempts at a trial at most",
-    "n_correct": "right answers needed",
-    "n_down": "right answers before a lower level",
+    "n_attempts": "maximum number of attempts per trial",
+    "n_correct": "correct answers needed",
+    "n_down": "correct answers before a lower level",
     "n_intervals": "intervals",
     "n_of": "among the last",
     "n_reversals": "reversals",
     "n_touches": "touches before each rating",
-    "n_trials": "trials at most",
-    "n_up": "wrong answers before a higher level",
+    "n_trials": "maximum number of trials",
+    "n_up": "incorrect answers before a higher level",
     "ramp_s": "ramps",
     "repeats": "presentations of each level",
     "rest_after": "trials before a rest",
-    "shared": "all but the threshold shared by interleaved tracks",
+    "shared": "all parameters except the threshold shared by interleaved tracks",
     "start": "first level",
-    "tolerance": "tolerance of the force",
-    "timeout_s": "time allowed for a touch",
+    "tolerance": "force tolerance",
+    "timeout_s": "time limit for a touch",
     "width_high": "largest width",
     "width_low": "smallest width",
-    "voltage_peak_v": "peak voltage at most",
+    "voltage_peak_v": "maximum peak voltage",
 }
-"""Words for keys that are not clear by themselves."""
+"""Descriptions of keys whose names are not self-explanatory."""
 SHARES = ("catch_rate", "easy_share", "tolerance", "speed_tolerance")
 LEVELS = ("levels", "start", "easy_level", "low", "high", "standard_level")
 
 
 def study_text(path: Path, unit: str) -> StudyText:
-    """Return title, procedure and force of the study in a folder, if any.
+    """Return title, procedure and force of a folder's study.
 
     Raises `InvalidFile` if the study cannot be read.
     """
@@ -91,10 +91,9 @@ def procedure_text(study: Table, unit: str) -> str:
     ...     "task": {"kind": "yes_no", "catch_rate": 0.2},
     ...     "procedure": {"kind": "staircase", "start": 40.0, "n_reversals": 8},
     ... }, "dB re 1 V"))
-    The conditions were frequency (60, 240 Hz). The order of frequency changed with the participant's number by
-    Williams squares. Touches were slides over the surface (force 1 N, speed 50 mm/s). Participants reported whether
-    they felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
-    reversals 8).
+    The conditions were frequency (60, 240 Hz). The order of frequency was balanced over participants by Williams
+    squares. Touches were slides over the surface (force 1 N, speed 50 mm/s). Participants reported whether they felt a
+    stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V, reversals 8).
     """
     factors, plan = _table(study, "factors"), _table(study, "plan")
     orders = dict(_table(plan, "orders"))
@@ -119,7 +118,7 @@ def procedure_text(study: Table, unit: str) -> str:
 
 
 def _table(study: Table, name: str) -> Table:
-    """Return a table, or an empty one, as the file is quoted and not checked."""
+    """Return a table of the (unvalidated) file, or an empty one."""
     table = study.get(name, {})
     return table if isinstance(table, Mapping) else {}
 
@@ -164,7 +163,7 @@ def _detail(key: str, value: Any, unit: str) -> str:
     """Describe a key of a table and its value.
 
     >>> _detail("tolerance", 0.2, ""), _detail("levels", [12, 16], "dB re 1 um"), _detail("feedback", True, "")
-    ('tolerance of the force 20 %', 'levels 12, 16 dB re 1 um', 'feedback')
+    ('force tolerance 20 %', 'levels 12, 16 dB re 1 um', 'feedback')
     """
     words = WORDS.get(key, re.sub("^n ", "number of ", split_unit(key)[0]))
     if isinstance(value, bool):
@@ -173,7 +172,7 @@ def _detail(key: str, value: Any, unit: str) -> str:
         return f"{words}{_details(value, unit)}"
     if key in SHARES and isinstance(value, int | float):
         return f"{words} {percent_text(value)}"
-    # A text contains its unit, and a step in decibels is a ratio without a reference.
+    # A text already contains its unit. Steps in decibels are ratios, so the reference is dropped.
     stated = _levels(key, value) if isinstance(value, list) else level_of("" if isinstance(value, str) else key, value)
     suffix = unit if key in LEVELS else unit.partition(" re ")[0] if key == "steps" else ""
     return f"{words} {stated} {suffix}".rstrip()

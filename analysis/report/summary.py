@@ -13,7 +13,7 @@ ORDER = (
     *("thresholds", "goodness", "outcomes", "hierarchical", "questionnaires", "questionnaire_statistics", "loss"),
     *("force", "same_different", "preference", "adjustment", "magnitude", "excluded"),
 )
-"""Keys in the order of earlier versions; new keys are appended."""
+"""Keys in a fixed order; new keys are appended."""
 
 
 def summary(analysis: Analysis) -> dict[str, object]:
@@ -38,7 +38,7 @@ def summary(analysis: Analysis) -> dict[str, object]:
 
 
 def plain(value: object) -> object:
-    """Return tables as rows, at any depth, and None for missing values."""
+    """Convert nested tables to lists of rows, and missing values to None."""
     if isinstance(value, pd.DataFrame):
         return plain(value.to_dict("records"))
     if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""The result in a terminal."""
+"""Tables and sentences of a result for the terminal."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from ..result import Analysis
 
 BORDERS: Final = 3
-"""Width that a column adds to its text; the table adds one."""
+"""Width of the borders of a column; the table itself adds one."""
 MOST_FOLDED: Final = 60
-"""Rows of a table with one cell a row that a terminal still shows."""
+"""Largest number of rows shown for a table with one cell per row."""
 
 
 def tables(analysis: "Analysis", width: int) -> "Iterator[tuple[Table | None, Sequence[str]]]":
-    """Yield each table (None: too wide) with the sentences below it."""
+    """Yield each table (None if it is too wide) with the sentences below it."""
     factors = analysis.factors
     for table in (table for kind in KINDS for table in kind.terminal(analysis)):
         sentences = [in_words(sentence, factors) for sentence in table.sentences]
@@ -31,9 +31,9 @@ def tables(analysis: "Analysis", width: int) -> "Iterator[tuple[Table | None, Se
 
 
 def text_table(cells: TextGrid, title: str, width: int, n_keys: int, across: str) -> "Table | None":
-    """Return a table without broken words, or None if it is too large.
+    """Format a table without breaking words; return None if it is too large.
 
-    A table that is too wide has one row for each cell instead: the first `n_keys` columns, the head of the cell's
+    A table that is too wide is shown with one row per cell: the first `n_keys` columns, the heading of the cell's
     column under `across`, and the cell.
     """
     from rich.table import Table
@@ -44,7 +44,7 @@ def text_table(cells: TextGrid, title: str, width: int, n_keys: int, across: str
         widths = _widths(cells, width) if len(cells.rows) <= MOST_FOLDED else None
     if widths is None:
         return None
-    # rich folds a title at the width of its table.
+    # rich wraps the title at the width of its table
     table = Table(title=title, title_justify="left", min_width=min(len(title), width - 2))
     for head, column in zip(cells.header, widths, strict=True):
         table.add_column(head, justify="right", width=column)
@@ -68,7 +68,7 @@ def _widths(cells: TextGrid, width: int) -> list[int] | None:
 
 
 def _longest_part(text: str) -> int:
-    """Return the length of a value, or of a text's longest word.
+    """Return the length of a value, or of the longest word of a text.
 
     >>> _longest_part("3.6 [2.8, 4.3] (n = 4)"), _longest_part("first of the pair")
     (22, 5)
@@ -77,7 +77,7 @@ def _longest_part(text: str) -> int:
 
 
 def _one_cell_a_row(cells: TextGrid, n_keys: int, across: str) -> TextGrid:
-    """Return the table with a row for each cell that is not empty."""
+    """Return a table with one row for each cell that is not empty."""
     heads = cells.header[n_keys:]
     rows = [
         (*row[:n_keys], head, cell)

@@ -1,4 +1,4 @@
-"""Templates of the report's texts, and their number formats."""
+"""Templates of the report's texts, and number formats."""
 
 from functools import cache
 from importlib.resources import files
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 MOST_EVIDENCE = 10_000
-"""Larger Bayes factors are written as above it."""
+"""Larger Bayes factors are printed as "> 10 000"."""
 
 
 def source(name: str) -> str:
@@ -23,7 +23,7 @@ def source(name: str) -> str:
 
 @cache
 def environment(*, is_html: bool = False) -> "Environment":
-    """Return the templates, which escape text for HTML."""
+    """Return the template environment, which escapes HTML if `is_html`."""
     from jinja2 import Environment, FunctionLoader, StrictUndefined  # slow to load
 
     found = Environment(
@@ -41,13 +41,13 @@ def environment(*, is_html: bool = False) -> "Environment":
 
 
 def lines(template: str, macro: str, *values: object, **named: object) -> list[str]:
-    """Return the lines of text that a macro of a template makes of values."""
+    """Return the lines of text that a template macro makes from values."""
     text = str(getattr(environment().get_template(template).module, macro)(*values, **named))
     return [line for line in text.split("\n") if line.strip()]
 
 
 def paragraph(template: str, **values: object) -> str:
-    """Return the text of a template as one paragraph."""
+    """Render a template as one paragraph."""
     return " ".join(environment().get_template(template).render(**values).split())
 
 
@@ -68,7 +68,7 @@ def bayes_text(bf10: float) -> str:
     ('BF10 = 0.23', 'BF10 = 143', 'BF10 > 10 000')
     """
     if bf10 > MOST_EVIDENCE:
-        return f"BF10 > {MOST_EVIDENCE:,}".replace(",", " ")  # a comma may be read as a decimal sign
+        return f"BF10 > {MOST_EVIDENCE:,}".replace(",", " ")  # a comma could be read as a decimal sign
     return f"BF10 = {bf10:.2g}" if bf10 < 10 else f"BF10 = {bf10:.0f}"
 
 

@@ -1,1 +1,1 @@
-"""Estimates for each participant and condition, a file per task, as in protocols/tasks."""
+"""Analyses of tasks, one file per task as in protocols/tasks."""

@@ -1,4 +1,4 @@
-"""Method of adjustment: mean and spread of the levels that a participant set (Gescheider 1997, chapter 3)."""
+"""Method of adjustment: mean and SD of settings (Gescheider 1997)."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ DEPENDENT = "setting"
 
 
 def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the mean `setting` of each participant and condition with its t-interval, `sd` and number."""
+    """Return mean `setting`, t-interval and SD by participant and condition."""
     return by_condition(rows, ["participant", *factors], _row)
 
 
@@ -28,7 +28,7 @@ ANALYSIS = TaskAnalysis(
     "lme4::lmer(as.numeric(response) ~ {plus} + (1 | participant), {data})",
     results=Results(
         {TASK: adjustment_table},
-        "Settings of the method of adjustment were averaged per participant and condition (Gescheider 1997).",
+        "Settings by the method of adjustment were averaged for each participant and condition (Gescheider 1997).",
         works=("Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",),
         dependent=DEPENDENT,
     ),

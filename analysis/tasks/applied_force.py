@@ -1,4 +1,4 @@
-"""Applied force of each participant and condition, and time in the target band."""
+"""Applied force, and share of time in the target band."""
 
 from collections.abc import Sequence
 
@@ -18,10 +18,9 @@ def has_force(rows: pd.DataFrame) -> bool:
 
 
 def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return force, its SD, time in band and trials of each participant.
+    """Return mean force, SD and time in band by participant and condition.
 
-    The SD is the mean standard deviation within trials. The deviation from the target is added if the force is a
-    factor.
+    The SD is the mean standard deviation within trials. If force is a factor, the deviation from the target is added.
     """
     rows = used[used["force_mean_n"].notna()]
     keys = ["participant", *factors]
@@ -34,7 +33,10 @@ def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.Data
 
 
 def force_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the mean force of each condition with its t-interval (the thesis's table 6.2) and time in band."""
+    """Return the mean force of each condition with its t-interval.
+
+    This is table 6.2 of the thesis.
+    """
     return by_condition(of_participants, factors, _force_row)
 
 

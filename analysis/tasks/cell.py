@@ -1,4 +1,4 @@
-"""Counts of one participant in one condition, alone and stacked for a batch of fits."""
+"""Counts of answers of cells, and arrays of them for batches of fits."""
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ from ..threshold.fitting import ThresholdFit
 
 @dataclass(frozen=True)
 class Cell:
-    """Answers of one participant in one condition: `levels`, `n_yes`, `n_trials` of equal length.
+    """Counts of answers of one participant in one condition, by level.
 
-    `n_yes` counts "yes", correct, or "more" answers, without catch trials; `n_choices` are the alternatives of a forced
-    choice.
+    `n_yes` counts "yes", correct, or "more" answers, without catch trials. `n_choices` is the number of alternatives of
+    a forced choice.
     """
 
     participant: str
@@ -33,7 +33,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A cell with its fit."""
+    """A cell with the fit of its psychometric function."""
 
     cell: Cell
     fit: ThresholdFit
@@ -45,9 +45,12 @@ def cell_keys(factors: Sequence[str]) -> list[str]:
 
 
 def counted_cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
-    """Count answers with `yes`, `is_catch`, the level `x` and `n_choices`, in the order of `cell_keys`."""
+    """Count answers by cell, sorted by `cell_keys`.
+
+    Required columns are `yes`, `is_catch`, the level `x` and `n_choices`.
+    """
     keys = cell_keys(factors)
-    # Groups of all columns would take most of the time.
+    # select columns first, as grouping all of them is slow
     return [_cell(key, rows) for key, rows in parts(answers[[*keys, "is_catch", "x", "yes", "n_choices"]], keys)]
 
 
@@ -69,9 +72,12 @@ def _cell(key: tuple[Any, ...], rows: pd.DataFrame) -> Cell:
 
 
 def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
-    """Return levels, yes and trials of cells, (n_cells, most levels), padded with levels without trials."""
+    """Stack levels, "yes" answers and trials as (n_cells, n_levels).
+
+    Short rows are padded with levels without trials.
+    """
     columns = [(cell.levels, cell.n_yes, cell.n_trials) for cell in cells]
-    # At least one place: a cell may have catch trials alone.
+    # at least one slot, as a cell may contain only catch trials
     stacked = np.zeros((3, len(cells), max([1, *(len(cell.levels) for cell in cells)])))
     for place, counts in enumerate(columns):
         stacked[:, place, : len(counts[0])] = counts
@@ -80,6 +86,6 @@ def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
 
 
 def catch_counts(cells: Sequence[Cell], counting: Container[str]) -> tuple[list[int], list[int]]:
-    """Return false alarms and catch trials of cells, 0 for tasks other than `counting`."""
+    """Return false alarms and catch trials; 0 for tasks not in `counting`."""
     used = [(cell.n_false_alarms, cell.n_catch) if cell.task in counting else (0, 0) for cell in cells]
     return [n_false_alarms for n_false_alarms, _ in used], [n_catch for _, n_catch in used]

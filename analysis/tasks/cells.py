@@ -1,4 +1,4 @@
-"""Counts and fits of each participant in each condition, and rates against the level."""
+"""Counts and fits by participant and condition, and rates by level."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -21,10 +21,11 @@ from .kinds import CURVES
 LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 UNIT = "level_unit"
 CHOICES = tuple(name for name, curve in CURVES.items() if curve.scored_by == "correct")
-"""Forced choices, whose responses alone do not state the correct answer."""
+"""Forced choices; their responses alone do not show whether an answer is correct."""
 STATED = "n_alternatives"
 BY_CHANCE = 0.001
-"""A condition has fewer alternatives than others if chance explains that with less than this (unverified default)."""
+"""Probability of never using the highest alternative by chance, below which a condition does not have it (unverified
+default)."""
 COUNTING = frozenset(name for name, curve in CURVES.items() if curve.counts_catch)
 """Tasks whose guess rate is estimated from catch trials."""
 COLUMNS = (
@@ -33,11 +34,11 @@ COLUMNS = (
     *("threshold_median", "threshold_mean", "probability_below", "probability_within", "probability_above", "method"),
     *("shape", "interval", "note"),
 )
-"""Columns of the table of estimates after participant and condition."""
+"""Columns of the table of estimates that follow participant and condition."""
 
 
 def level_unit(trials: Trials) -> str:
-    """Return the unit of the analysed levels, else of all levels; empty without one common unit.
+    """Return the common unit of the levels, or "".
 
     Raises
     ------
@@ -50,7 +51,7 @@ def level_unit(trials: Trials) -> str:
     units = rows[UNIT].unique()
     if len(units) > 1:
         other = rows[rows[UNIT] == units[1]].iloc[0]
-        expected = f"{units[0]!r} as before; analyse levels of different units apart"
+        expected = f"{units[0]!r} as in earlier rows; analyse levels of different units separately"
         raise bad_cell(other, UNIT, repr(units[1]), expected)
     if len(units):
         return str(units[0])
@@ -59,24 +60,27 @@ def level_unit(trials: Trials) -> str:
 
 
 def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
-    """Count the answers of each cell, ordered by participant, condition and task."""
+    """Count the answers of each participant in each condition and task."""
     return counted_cells(answers.assign(n_choices=alternatives(answers, factors)), factors)
 
 
 def judgements(used: pd.DataFrame) -> pd.DataFrame:
-    """Return the used rows with a curve, with `yes` (1, 0; NaN: unknown), `is_catch` and the level `x`."""
+    """Return rows of tasks with a function, with `yes` and level `x`.
+
+    `yes` is 1 or 0, or NaN if it is unknown.
+    """
     rows = used[used["task"].isin(CURVES)]
     yes = numbers_of(rows["response"]).where(~rows["task"].isin(CHOICES), correctness(rows))
     return rows.assign(yes=yes, is_catch=is_catch(rows), x=delivered_level(rows))
 
 
 def counted_answers(judged: pd.DataFrame) -> pd.DataFrame:
-    """Return the judgements with a known answer."""
+    """Return the judgements in which `yes` is known."""
     return judged[judged["yes"].notna()]
 
 
 def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
-    """Return a row per participant, condition and level."""
+    """Return the counts with one row per participant, condition and level."""
     rows: list[tuple[float | str, ...]] = []
     for cell in cells:
         names = (cell.participant, *cell.condition, cell.task)
@@ -85,15 +89,16 @@ def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
 
 
 def alternatives(answers: pd.DataFrame, factors: Sequence[str]) -> "pd.Series[float]":
-    """Return the number of alternatives in the condition of each row; 2 in other tasks than forced choices.
+    """Return the number of alternatives of each row (2 if no forced choice).
 
-    It is stated in `n_alternatives`, else the largest interval chosen or a target; a condition that may lack the
-    largest of all by chance (a probability above `BY_CHANCE`) has that number.
+    The number is stated in `n_alternatives`, or inferred as the highest interval that was chosen or a target. If a
+    condition may lack the overall highest interval by chance (probability above `BY_CHANCE`), it has the overall
+    number.
 
     Raises
     ------
     InvalidFile
-        If a condition states two numbers.
+        If `n_alternatives` varies within a condition.
     """
     number = pd.Series(2.0, index=answers.index)
     rows = answers[answers["task"].isin(CHOICES)]
@@ -119,13 +124,13 @@ def _stated(rows: pd.DataFrame, conditions: Sequence["pd.Series[Any]"]) -> "pd.S
     if (lowest < highest).any():
         several = lowest < highest
         found = f"{lowest[several].iloc[0]:g} and {highest[several].iloc[0]:g} in one condition"
-        expected = "one number in each condition; name its factor with --within, or this column"
+        expected = "one number in each condition; name the factor that changes it with --within"
         raise bad_cell(rows[several].iloc[0], STATED, found, expected)
     return highest
 
 
 def estimates(cells: Sequence[Cell], unit: str = "", interval: float = 0.95) -> list[Estimate]:
-    """Fit every cell, those of one task and number of alternatives in one batch; in the order of the cells."""
+    """Fit every cell, in batches of equal task and number of alternatives."""
     fits: dict[Cell, ThresholdFit] = {}
     for task, n_choices in curves_of(cells):
         alike = [cell for cell in cells if (cell.task, cell.n_choices) == (task, n_choices)]
@@ -144,16 +149,16 @@ def estimates(cells: Sequence[Cell], unit: str = "", interval: float = 0.95) -> 
 
 
 def curves_of(cells: Sequence[Cell]) -> list[tuple[str, int]]:
-    """Return the tasks of cells, in the order of `CURVES`, with each number of alternatives."""
+    """Return each combination of task and number of alternatives."""
     found = {(cell.task, cell.n_choices) for cell in cells}
     return [(task, n) for task in CURVES for n in sorted(n for name, n in found if name == task)]
 
 
 def estimate_table(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> pd.DataFrame:
-    """Return one row per participant and condition.
+    """Return the fits as a table with one row per participant and condition.
 
-    `threshold` is the detection threshold, or in a comparison the point of subjective equality (also as `pse`), where
-    `jnd` is the distance from it to the level called "more" in 75 % of trials.
+    `threshold` is the detection threshold, or for comparisons the point of subjective equality (also `pse`). `jnd` is
+    the distance from the `pse` to the level called "more" in 75 % of trials.
     """
     rows = []
     for cell, fit in ((estimate.cell, estimate.fit) for estimate in estimates):
@@ -167,13 +172,13 @@ def estimate_table(estimates: Sequence[Estimate], factors: Sequence[str], unit: 
 
 
 MAX_LEVELS = 16
-"""More levels are pooled into classes for the rates."""
+"""Largest number of levels for rates; more levels are pooled into classes."""
 
 
 def detection_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the rate at each level of each condition with Wilson's interval, all participants together.
+    """Return rates by condition and level, pooled over participants.
 
-    More than `MAX_LEVELS` levels are pooled into classes of equal width, named by their mean.
+    More than `MAX_LEVELS` levels are pooled into classes of equal width, with their mean as level.
     """
     table = counts.drop(columns="participant")
     levels, n_trials = (table[name].to_numpy(dtype=float) for name in ("level", "n_trials"))
@@ -194,7 +199,7 @@ def _classes(levels: Array, weights: Array) -> Array:
 
 
 def mean_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the mean over participants of the rate over all levels, in each condition."""
+    """Return rates over all levels, averaged over participants."""
     keys = [*factors, "task"]
     sums = counts.groupby(["participant", *keys], observed=True)[["n_yes", "n_trials"]].sum().reset_index()
     rates = sums.assign(rate=sums["n_yes"] / sums["n_trials"])

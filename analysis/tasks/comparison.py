@@ -1,4 +1,4 @@
-"""Comparison with a standard: a point of subjective equality and a just noticeable difference."""
+"""Comparison with a standard: PSE and just noticeable difference."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,22 +15,22 @@ FIT: Mapping[str, Any] = {
 }
 """Options of the fit (unverified defaults).
 
-Both asymptotes are free, as levels that are not felt are sometimes called "more". A prior tighter than Beta(1, 3)
-biases the point of subjective equality of such answers downwards.
-The prior of the width is flat in its logarithm from one spacing of the levels. psignifit's prior, which falls below two
-spacings, biases small differences upwards. The bias study compares both (`benchmarks/bias_study.py`)."""
+Both asymptotes are free, as levels that are not felt are sometimes called "more". With such answers, a prior tighter
+than Beta(1, 3) biases the point of subjective equality downwards. The prior of the width is flat in its logarithm down
+to one spacing of the levels. psignifit's prior decreases below two spacings and biases small differences upwards. The
+bias study compares both (`benchmarks/bias_study.py`)."""
 
 ANALYSIS = TaskAnalysis(
-    "Participants reported which of a standard and a level was stronger",
+    "Participants reported which of a standard and a comparison stimulus was stronger",
     R_OF_LEVEL,
     Curve(
         "Rate of “more”",
         "more",
         lambda n_choices, unit: FIT,
         has_difference=True,
-        methods="Points of subjective equality (the level called stronger than the standard in half of the "
+        methods="Points of subjective equality (the level judged stronger than the standard in half of the "
         "trials) and just "
-        "noticeable differences (the distance from there to the level called stronger in 75 % of the trials) are "
+        "noticeable differences (the distance from there to the level judged stronger in 75 % of the trials) are "
         "posterior medians with central 95 % intervals. Both asymptotes of comparisons were free (Beta(1, 3)); the "
         "prior of the width was flat in its logarithm from the smallest spacing of the levels to their range.",
     ),

@@ -1,4 +1,4 @@
-"""Goodness of fit of each participant in each condition, and warnings about it."""
+"""Goodness of fit by participant and condition, and warnings about it."""
 
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from typing import Any
@@ -18,24 +18,24 @@ from .cell import Estimate, catch_counts, cell_keys, stacked_counts
 from .rule_estimate import FIXED
 
 SEED = 20010601
-"""Seed of the draws, so that equal data give equal results."""
+"""Seed of the draws, so that equal data yield equal results."""
 STRETCH = 10
-"""Trials in a stretch of time; there are 2 to `MOST_STRETCHES`."""
+"""Number of trials in a stretch; a cell has 2 to `MOST_STRETCHES` stretches."""
 MOST_STRETCHES = 20
 MOST_PLACES = 20_000
-"""Stretches times levels of a cell; with more, draws take too long for a report."""
+"""Largest number of stretches times levels of a cell, as the draws of more take too long for a report."""
 FLAGGED_P = 0.01
 SURPRISING = 0.01
-"""A number of flags that chance gives in at most this share of data sets causes a warning."""
+"""Probability of as many flagged functions by chance, at or below which a warning is issued."""
 TESTS = {
-    "deviance": "the answers lie farther from it than chance explains",
-    "level": "its residuals bend with the level, as where the true function has another form",
-    "order": "its residuals rise or fall with time, as with learning, tiring or a new criterion",
-    "overdispersion": "answers near in time are alike, as with lapses in a row, and intervals are too narrow",
+    "deviance": "the answers deviate from the function by more than chance",
+    "level": "the residuals are curved over the level, as if the true function had another form",
+    "order": "the residuals rise or fall with time, as with learning, fatigue or a changed criterion",
+    "overdispersion": "answers close in time are alike, as with runs of lapses, so intervals are too narrow",
 }
-"""The tests, in the order of `STATISTICS`, with the meaning of a small p."""
+"""The tests in the order of `STATISTICS`, with the meaning of a small p."""
 OF_ORDER = slice(2, None)
-"""The tests that compare the order of the answers."""
+"""The tests that use the order of the answers."""
 P_COLUMNS = dict(zip(TESTS, ("deviance_p", "residual_level_p", "residual_order_p", "dispersion_p"), strict=True))
 MISFIT = "misfit"
 
@@ -48,9 +48,10 @@ def goodness_columns(
     rng: np.random.Generator,
     counting: Container[str] = (),
 ) -> pd.DataFrame:
-    """Return for each estimate the statistics of `goodness`, each p, and in `misfit` the tests with a small p.
+    """Return statistics, p and `misfit` of each estimate.
 
-    `options` are those of the fits, by task and number of alternatives; tasks `counting` use catch trials.
+    `misfit` lists the tests with a small p. `options` are the options of the fits, by task and number of alternatives.
+    Tasks in `counting` use catch trials.
     """
     rows = _in_order(answers, factors)
     values, p = (np.full((len(estimates), len(TESTS)), np.nan) for _ in range(2))
@@ -60,37 +61,37 @@ def goodness_columns(
         for numbers in _of_like_size(estimates, fitted):
             tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, of_fits, rng, counting)
             values[numbers], p[numbers] = tested.statistics, tested.p
-    if "procedure" in rows.columns:  # counts have no order of answers
+    if "procedure" in rows.columns:  # the order of answers is unknown in tables of counts
         unordered = rows.loc[rows["procedure"] == COUNTED, "cell"].unique()
         values[unordered, OF_ORDER] = p[unordered, OF_ORDER] = np.nan
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
-        columns |= {} if n == 0 else {value: values[:, n], name: p[:, n]}  # the estimates have the deviance already
+        columns |= {} if n == 0 else {value: values[:, n], name: p[:, n]}  # the estimates already contain the deviance
     flags = [[name for name, value in zip(TESTS, p_of_tests, strict=True) if value <= FLAGGED_P] for p_of_tests in p]
     return pd.DataFrame(columns | {MISFIT: list(map(", ".join, flags))})
 
 
 def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the answers to a level in their order.
+    """Return the answers without catch trials, in the order of the trials.
 
-    Added columns: the number of the `cell`, the `stretch` of time in it, and `follow`, which is True if the levels
-    depend on the answers.
+    Added columns are the index of the `cell`, the `stretch` of trials within it, and `follows`, which is True if the
+    levels depend on the answers.
     """
-    # Numbered before the catch trials go: a cell of these alone keeps its place among the estimates.
+    # Number cells before removing catch trials, so that indices match the estimates.
     rows = answers.assign(cell=answers.groupby(cell_keys(factors), sort=True, observed=True).ngroup())
     rows = rows[~rows["is_catch"]]
     if "session" in rows.columns:
         rows = rows.sort_values("session", kind="stable")
     cell = rows.groupby("cell")
     n_trials, place = cell["yes"].transform("size").to_numpy(), cell.cumcount().to_numpy()
-    # One stretch has no trend.
+    # at least two stretches, as a trend needs two
     n_stretches = np.clip(n_trials // STRETCH, 2, MOST_STRETCHES)
     follows = ~rows["procedure"].isin(FIXED) if "procedure" in rows.columns else True
     return rows.assign(stretch=place * n_stretches // n_trials, follows=follows)
 
 
 def _of_like_size(estimates: Sequence[Estimate], chosen: Sequence[int]) -> list[Indices]:
-    """Return groups of cells with similar numbers of levels, which need little padding."""
+    """Group cells with similar numbers of levels, to need little padding."""
     n_levels = np.array([len(estimates[n].cell.levels) for n in chosen])
     size = np.ceil(np.log2(n_levels)) if len(n_levels) else n_levels
     places = n_levels * MOST_STRETCHES
@@ -111,7 +112,7 @@ def _goodness_of(
     alarms, catch = catch_counts(fitted_cells, counting)
     posterior = log_posterior(levels, n_yes, n_trials, n_false_alarms=alarms, n_catch=catch, **options)
     counts, on_axis = posterior.counts, _logarithm if posterior.shape.on_log_levels else np.asarray
-    # The estimates may be medians: deviance is compared at the mode, as that of the draws is.
+    # Climb to the mode, as estimates may be medians and the draws are evaluated at the mode.
     theta = climb(posterior, _parameters(estimates, counts, on_axis)).theta
     answers = rows[rows["cell"].isin(cells)]
     number = np.searchsorted(cells, answers["cell"])
@@ -120,11 +121,11 @@ def _goodness_of(
 
 
 def _logarithm(levels: Array) -> Array:
-    return np.asarray(np.log(np.where(levels > 0, levels, 1.0)))  # places without trials stay 0
+    return np.asarray(np.log(np.where(levels > 0, levels, 1.0)))  # unused slots stay 0
 
 
 def _parameters(estimates: Sequence[Estimate], counts: Counts, on_axis: Callable[[Array], Array]) -> Array:
-    """Return the parameters (n_sets, 4) of the fitted functions on the scale of the counts."""
+    """Return the parameters (n_sets, 4) on the scale of the counts."""
     fits = [estimate.fit for estimate in estimates]
     rows = [(f.threshold, f.width, f.lapse_rate, f.guess_rate) for f in (fit.function for fit in fits) if f]
     threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
@@ -134,7 +135,7 @@ def _parameters(estimates: Sequence[Estimate], counts: Counts, on_axis: Callable
 
 
 def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Counts) -> Sequences:
-    """Return the answers of sets with these `levels` (n_sets, n_levels), at the places of the levels in the counts."""
+    """Arrange the answers by set, stretch and level of `counts`."""
     u = (levels - counts.centre[:, None]) / counts.spread[:, None]
     is_apart = np.diff(u, axis=1) > POOLED_BELOW
     first = np.zeros((len(levels), 1), dtype=np.int64)
@@ -149,7 +150,7 @@ def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Count
 
 
 def goodness_table(estimates: pd.DataFrame) -> pd.DataFrame:
-    """Return for each test the numbers of functions tested, flagged and flagged by chance, and its meaning."""
+    """Return numbers of functions tested, flagged and flagged by chance."""
     tested = {name: estimates[column].dropna() for name, column in P_COLUMNS.items()}
     counts = {name: (len(p), int((p <= FLAGGED_P).sum()), FLAGGED_P * len(p)) for name, p in tested.items() if len(p)}
     rows = [(name, *numbers, TESTS[name]) for name, numbers in counts.items()]
@@ -157,7 +158,7 @@ def goodness_table(estimates: pd.DataFrame) -> pd.DataFrame:
 
 
 def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """Warn of each test that flags more functions than chance does."""
+    """Warn about each test that flags more functions than expected by chance."""
     for name, column in P_COLUMNS.items():
         p = estimates[column].dropna()
         if _is_surprising(p):
@@ -169,7 +170,7 @@ def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> Iterat
 
 
 def _is_surprising(p: "pd.Series[float]") -> bool:
-    """Return True if there are more small p than uniform ones would have, at one of two bounds.
+    """Return True if more p are small than expected by chance.
 
     >>> _is_surprising(pd.Series([0.001] + 9 * [0.5])), _is_surprising(pd.Series([0.009] + 9 * [0.5]))
     (True, False)

@@ -1,4 +1,4 @@
-"""Analyses of the tasks, by task name (the name of the file)."""
+"""Analyses of the tasks by task name, which is the name of the file."""
 
 from collections.abc import Mapping
 
@@ -9,6 +9,6 @@ from .task_analysis import Curve, Results, TaskAnalysis
 
 ANALYSES: Mapping[str, TaskAnalysis] = {name: resolve(f"{__package__}.{name}:ANALYSIS") for name in TASKS}
 CURVES: Mapping[str, Curve] = {name: found.curve for name, found in ANALYSES.items() if found.curve is not None}
-"""The tasks that a psychometric function is fitted to."""
+"""Tasks to which a psychometric function is fitted."""
 RESULTS: Mapping[str, Results] = {name: found.results for name, found in ANALYSES.items() if found.results is not None}
-"""The tasks with results of another kind."""
+"""Tasks with other results."""

@@ -1,4 +1,4 @@
-"""Lapse rates of conditions, compared by a likelihood-ratio test, as lapses shift thresholds."""
+"""Likelihood-ratio test of lapse rates between conditions."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -18,17 +18,19 @@ TASKS = tuple(name for name, curve in CURVES.items() if not curve.has_difference
 LAPSES = "lapse_rates"
 """Name of the table."""
 ALPHA, WARNED_P = 0.05, 0.02
-"""Levels of intervals and of the test: with ten participants 9 % of null studies had p < .05 (11 of 120, QUEST+)."""
+"""Significance levels of the intervals and of the warning. With ten participants, 9 % of null studies had p < .05 (11
+of 120, QUEST+)."""
 RATES = np.linspace(0.0, 0.3, 31)
 N_THRESHOLDS, N_WIDTHS, NARROWEST, WIDEST = 61, 15, 20.0, 3.0
-"""Grid of the maximum; widths are from a part to a multiple of the range of the levels."""
+"""Grid of the maximisation: widths from range / `NARROWEST` to `WIDEST` times the range of the levels."""
 LEAST = 1e-9
 
 
 def lapse_table(estimates: Sequence[Estimate], factors: Sequence[str]) -> pd.DataFrame:
-    """Estimate one lapse rate for each condition, and test whether they are equal.
+    """Estimate the lapse rate of each condition, and test for equality.
 
-    A row per condition with the interval of the profile likelihood, over thresholds and widths of participants.
+    There is one row per condition, with an interval of the profile likelihood (maximised over the participants'
+    thresholds and widths).
     """
     keys = [*factors, "task"]
     known = [one for one in estimates if one.cell.task in TASKS and one.fit.threshold is not None]
@@ -57,7 +59,7 @@ def _tested(conditions: pd.DataFrame) -> pd.DataFrame:
 
 
 def profile(estimate: Estimate) -> Array:
-    """Return the log likelihood of each of `RATES`, maximised over thresholds and widths, at the fitted guess rate."""
+    """Return the profile log-likelihood of `RATES` at the fitted guess rate."""
     cell, fit = estimate.cell, estimate.fit
     shape = shape_named(fit.shape)
     levels, threshold = np.array(cell.levels), float(fit.threshold or 0.0)
@@ -74,7 +76,7 @@ def profile(estimate: Estimate) -> Array:
 
 
 def lapse_warnings(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """Warn of tasks whose conditions differ in their lapse rates."""
+    """Warn about tasks whose conditions differ in lapse rate."""
     different = table[table["p"] < WARNED_P] if len(table) else table
     for task, conditions in different.groupby("task", sort=False) if len(different) else ():
         ordered = conditions.sort_values("lapse_rate", kind="stable")
@@ -82,8 +84,8 @@ def lapse_warnings(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
         test = f"chi-square({ordered['df'].iloc[0]}) = {ordered['chi_square'].iloc[0]:.1f}"
         yield (
             f"lapse rates of {task} differ between conditions, from {least} to {most} (likelihood-ratio test: {test}, "
-            f"{p_text(ordered['p'].iloc[0])}): thresholds may differ for that reason alone. Easy trials show the lapse "
-            "rate (easy_share of [procedure])"
+            f"{p_text(ordered['p'].iloc[0])}): thresholds may differ for this reason alone. Add easy trials to measure "
+            "the lapse rate (easy_share of [procedure])"
         )
 
 

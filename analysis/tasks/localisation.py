@@ -1,7 +1,7 @@
-"""Localisation: right answers by the distance between places, confusions, and the resolution.
+"""Localisation: correct answers by distance, confusions, resolution.
 
-The rate of right answers among m places rises with their distance from 1/m to 1; at the resolution it is halfway: 75 %
-of two, as in any forced choice (Green and Swets 1966).
+The rate correct among m places rises with their distance from 1/m to 1. At the resolution it is halfway, for example 75
+% for two places, as in any forced choice (Green and Swets 1966).
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,13 +22,13 @@ TASK, RESOLUTION, CONFUSIONS, ERRORS = "localisation", "resolution", "confusions
 OF_PARTICIPANTS, RATES = "resolution_participants", "localisation_participants"
 DISTANCE, ERROR, RATE = "separation_m", "error_m", "rate_correct"
 SHAPE = "weibull"
-"""Shape of the right answers against the distance, which is above 0."""
+"""Shape of the rate correct as a function of distance, which is above 0."""
 FEW_LEVELS = 8
-"""Largest number of levels that count as conditions; more come from an adaptive procedure."""
+"""Largest number of levels that count as conditions; more levels come from an adaptive procedure."""
 
 
 def conditions_of(rows: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    """Return the factors other than place and distance, and the level if there are several but few."""
+    """Return the factors except place and distance, plus few levels."""
     places = {place_factor(rows, [name]) for name in factors}
     kept = [name for name in factors if name not in places and not _is_distance(rows, name)]
     n_levels = rows["level"].nunique() if "level" in rows.columns else 0
@@ -45,7 +45,7 @@ def place_factor(rows: pd.DataFrame, factors: Sequence[str]) -> str | None:
 
 
 def n_alternatives(rows: pd.DataFrame) -> int:
-    """Return the largest number of an alternative that was stated, right or answered; at least 2."""
+    """Return the number of alternatives, at least 2."""
     stated = rows["n_alternatives"].max() if "n_alternatives" in rows.columns else np.nan
     return int(np.fmax(max(2, rows["target"].max(), numbers_of(rows["response"]).max()), stated))
 
@@ -55,12 +55,12 @@ def _is_distance(rows: pd.DataFrame, name: str) -> bool:
 
 
 def _follows(rows: pd.DataFrame, value: str, name: str) -> bool:
-    """Return True if each level of a factor has one value."""
+    """Return True if each level of a factor has a single value."""
     return bool((rows.groupby(name, observed=True)[value].nunique() <= 1).all())
 
 
 def right_answers(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return right answers by condition and distance, all participants together, with Wilson's interval."""
+    """Return rates correct by distance, pooled over participants."""
     judged = _judged(rows)
     counts = _counts(judged, [*conditions_of(judged, factors), *_distance(judged)])
     if counts.empty:
@@ -70,19 +70,22 @@ def right_answers(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def rates_of_participants(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return right answers by participant, condition and distance."""
+    """Return rates correct by participant, condition and distance."""
     judged = _judged(rows)
     counts = _counts(judged, ["participant", *conditions_of(judged, factors), *_distance(judged)])
     return counts if counts.empty else counts.assign(task=TASK, **{RATE: counts["n_correct"] / counts["n_trials"]})
 
 
 def resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the resolution (m) of each participant and condition: the threshold of a forced choice over distance."""
+    """Return the resolution (m) by participant and condition.
+
+    It is the threshold of a forced choice as a function of distance.
+    """
     judged = _judged(rows)
     if not _distance(judged) or judged[DISTANCE].nunique() < 2:
         return pd.DataFrame()
     conditions = conditions_of(judged, factors)
-    # A distance does not follow the answers.
+    # constant stimuli, as the distance does not depend on the answers
     answers = judged.assign(task=TASK, procedure="constant_stimuli", is_catch=False, n_choices=0)
     answers = answers.assign(x=judged[DISTANCE], yes=judged["is_right"].astype(int))
     for _, there in split(answers, conditions):
@@ -92,12 +95,12 @@ def resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def conditions_of_fits(each: pd.DataFrame) -> list[str]:
-    """Return the conditions of a table of `resolutions`."""
+    """Return the columns of conditions in a table of `resolutions`."""
     return list(each.columns[1 : each.columns.get_loc("resolution_m")])
 
 
 def _resolutions_among(answers: pd.DataFrame, m: int, conditions: Sequence[str]) -> pd.DataFrame:
-    """Return the resolutions among m alternatives, with their goodness of fit."""
+    """Return the resolutions for m alternatives, with goodness of fit."""
     options: dict[str, Any] = {"shape": SHAPE, "guess_rate": 1 / m, "scale_free_width": True}
     cells = counted_cells(answers, conditions)
     fits = fit_many(*stacked_counts(cells), **options)
@@ -124,7 +127,10 @@ def _row(cell: Cell, fit: ThresholdFit, conditions: Sequence[str]) -> dict[str, 
 
 
 def mean_resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the mean resolution (m) of each condition with its t-interval, or that of a single participant's fit."""
+    """Return the mean resolution (m) and its interval by condition.
+
+    With a single participant, the interval is that of the fit.
+    """
     each = resolutions(rows, factors)
     keys = [name for name in (*factors, "level") if name in each.columns]
     return by_condition(each, keys, _mean)
@@ -139,7 +145,7 @@ def _mean(each: pd.DataFrame) -> Mapping[str, Any]:
 
 
 def confusions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the number and share of each answered place, by condition, distance and right place."""
+    """Return shares of answers by condition, correct and chosen place."""
     judged = _judged(rows)
     if judged.empty:
         return pd.DataFrame()
@@ -156,7 +162,7 @@ def confusions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def errors(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the number and share of answers by condition, distance between places and error in distance."""
+    """Return shares of answers by condition, distance and error (m)."""
     judged = _judged(rows)
     if not _distance(judged):
         return pd.DataFrame()
@@ -166,7 +172,7 @@ def errors(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def _judged(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows with a right place and an answer."""
+    """Return the rows with a correct place and an answer."""
     if "target" not in rows.columns:
         return rows.iloc[:0].assign(target=np.nan, is_right=np.nan)
     rows = rows.assign(is_right=correctness(rows))
@@ -184,7 +190,7 @@ def _counts(judged: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants reported which of the alternatives it was",
+    "Participants reported which of the alternatives was presented",
     'lme4::glmer(correct ~ {plus} + (1 | participant), {data}, binomial("probit"))',
     results=Results(
         {
@@ -195,13 +201,13 @@ ANALYSIS = TaskAnalysis(
             CONFUSIONS: confusions,
             ERRORS: errors,
         },
-        "Right answers of localisation were counted by the distance between the nearest two places. The resolution is "
-        "the distance at which a Weibull function from the guess rate, one over the number of alternatives on offer, "
-        "is halfway to its upper end (without lapses 75 % of two alternatives), whose distance from 1 is free for "
-        "lapses and for foci that are not felt (prior Beta(1, 10)): posterior mode with a central 95 % interval of the "
-        "marginal posterior. Intervals of mean resolutions are symmetric on the logarithm. Rates of participants were "
-        "compared between distances and conditions as they are: near 0 "
-        "and 1 they vary less than an analysis of variance assumes.",
+        "Correct localisations were counted by the distance between the nearest two places. The resolution is the "
+        "distance at which a Weibull function is halfway between the guess rate (one over the number of alternatives) "
+        "and the upper asymptote (without lapses 75 % for two alternatives). The distance of the upper asymptote from "
+        "1 is free, for lapses and for foci that are not felt (prior Beta(1, 10)). Estimates are posterior modes with "
+        "central 95 % intervals of the marginal posterior. Intervals of mean resolutions are symmetric on the "
+        "logarithm. Rates of participants were compared between distances and conditions without transformation: near "
+        "0 and 1 they vary less than the analysis of variance assumes.",
         dependent=RATE,
         in_levels=False,
         compared=RATES,

@@ -1,6 +1,6 @@
-"""Magnitude estimation: exponent of the power law psi = k A^n (Stevens 1957, Psychological Review 64(3), 153-181).
+"""Magnitude estimation: exponent of the power law psi = k A^n.
 
-In logarithms it is the slope of a straight line, which does not depend on the participant's unit of numbers.
+The exponent is the slope of a straight line in logarithms, which does not depend on the participant's unit.
 """
 
 from collections.abc import Sequence
@@ -19,11 +19,13 @@ TASK = "magnitude"
 DEPENDENT = "exponent"
 GROWTH = "magnitude_levels"
 """Name of the table of `growth_table`."""
-FEW_LEVELS = "fewer than two levels with a number above 0: no exponent"
+FEW_LEVELS = "no exponent: fewer than two levels with a number above 0"
 
 
 def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str, float | None]:
-    """Return the slope of log geometric means over log amplitudes (n,), and from three levels on its t-interval.
+    """Return the slope of log geometric means over log amplitudes.
+
+    With three or more levels a t-interval is included.
 
     >>> x = np.log([1.0, 2.0, 4.0, 1.0])
     >>> {name: round(v, 3) for name, v in exponent(x, np.array([2.0, 4.0, 16.0, 8.0])).items()}
@@ -44,7 +46,9 @@ def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str,
 
 
 def magnitude_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the exponent of each participant and condition; numbers of 0 (not felt) are left out and counted.
+    """Return the exponent by participant and condition.
+
+    Numbers of 0 (not felt) are omitted and counted.
 
     Raises
     ------
@@ -55,7 +59,7 @@ def magnitude_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the geometric mean over participants at each level, after modulus equalisation.
+    """Return geometric means by level, after modulus equalisation.
 
     Lane, Catania and Stevens 1961, Journal of the Acoustical Society of America 33(2), 160-167.
     """
@@ -66,14 +70,14 @@ def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     keys = [*factors, "x"]
     logs = felt.assign(log=np.log(felt["number"])).groupby(["participant", *keys], observed=True)["log"].mean()
     of_participants = logs.groupby("participant")
-    # Each participant's unit of numbers is a constant in logarithms, which becomes the mean of all.
+    # A participant's unit is an additive constant in logarithms; replace it by the mean constant.
     logs = logs - of_participants.transform("mean") + of_participants.mean().mean()
     growth = logs.groupby(keys, observed=True).agg(geometric_mean="mean", n="size").reset_index()
     return growth.assign(geometric_mean=np.exp(growth["geometric_mean"])).rename(columns={"x": "level"})
 
 
 def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the numbers given to stimuli, with levels and their logarithms."""
+    """Return the ratings with numbers, levels and log levels."""
     rows = rows[rows["level"].notna()]
     x = delivered_level(rows)
     in_db = rows["level_unit"].str.startswith("dB") if "level_unit" in rows.columns else pd.Series(False, rows.index)
@@ -81,7 +85,7 @@ def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
     if len(bad):
         expected = "an amplitude above 0 or a level_unit in decibels (dB ...)"
         raise bad_cell(bad.iloc[0], "level", f"{x[bad.index[0]]:g}", expected)
-    # Decibels are logarithms of amplitude already, 20 for a factor of ten, and may be below 0.
+    # Decibels are already logarithms of amplitude (20 per factor of ten).
     log_level = np.where(in_db, x * np.log(10) / 20, np.log(x.where(~in_db, 1.0)))
     return rows.assign(number=numbers_of(rows["response"]), x=x, log_level=log_level)
 
@@ -94,14 +98,14 @@ def _row(ratings: pd.DataFrame) -> dict[str, Any]:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants gave a number for the strength",
+    "Participants rated the strength of the stimulus with a number",
     "lme4::lmer(log(as.numeric(response)) ~ level{times} + (1 + level | participant), "
     "subset({data}, as.numeric(response) > 0))",
     results=Results(
         {TASK: magnitude_table, GROWTH: growth_table},
-        "Exponents of the power law are slopes of the logarithm of each participant's geometric mean number over that "
-        "of the amplitude, every level alike (Stevens 1957); numbers of 0 were left out. Geometric means over "
-        "participants follow modulus equalisation (Lane, Catania & Stevens 1961).",
+        "Exponents of the power law are slopes of the logarithm of each participant's geometric mean number over the "
+        "logarithm of the amplitude, with equal weight of levels (Stevens 1957); numbers of 0 were omitted. Geometric "
+        "means over participants were computed after modulus equalisation (Lane, Catania & Stevens 1961).",
         works=(
             "Stevens, S. S. (1957). On the psychophysical law. Psychological Review, 64, 153-181.",
             "Lane, H. L., Catania, A. C., & Stevens, S. S. (1961). Voice level: Autophonic scale, perceived loudness, "

@@ -1,4 +1,4 @@
-"""Loss of amplitude by condition, from measured levels."""
+"""Loss of amplitude by condition, computed from measured levels."""
 
 from collections.abc import Sequence
 
@@ -14,19 +14,19 @@ NEEDED = ("level_unit", "level_measured")
 
 
 def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> "pd.Series[float]":
-    """Return 1 - A' / A of levels in decibels, where `in_db`, or in an amplitude's own unit.
+    """Return the loss 1 - A' / A, from decibels if `in_db`.
 
     >>> loss_of(pd.Series([20.0, 4.0]), pd.Series([14.0, 3.0]), pd.Series([True, False])).round(3).tolist()
     [0.499, 0.25]
     """
-    # Each formula only where it holds: a level of 0 dB divides nothing, and an amplitude is no exponent.
+    # Evaluate each formula only for its unit, as division by 0 dB or exponents of amplitudes would overflow.
     left = pd.Series(np.where(in_db, measured - level, 0.0), level.index)
     share = np.divide(measured, level, out=np.ones(len(level)), where=~in_db.to_numpy())
     return pd.Series(1 - np.where(in_db, 10 ** (left / 20), share), level.index)
 
 
 def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the mean `loss` of each participant and condition with its interval over readings, and the mean force.
+    """Return mean `loss` and force by participant and condition.
 
     Raises
     ------
@@ -46,7 +46,10 @@ def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def loss_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the mean loss of each condition with its interval over participants, or over one's readings."""
+    """Return the mean loss by condition, with its interval over participants.
+
+    With a single participant, the interval is over readings.
+    """
     return by_condition(losses(rows, factors), factors, _condition)
 
 
@@ -61,7 +64,7 @@ def _reading(readings: pd.DataFrame) -> dict[str, object]:
 
 def _condition(participants: pd.DataFrame) -> dict[str, object]:
     row = mean_row(participants["loss"].to_numpy(float), possible=AT_MOST_1)
-    if len(participants) == 1:  # the interval is that of the participant's own readings
+    if len(participants) == 1:  # the interval is over the participant's readings
         row |= {f"mean{end}": participants[f"loss{end}"].iloc[0] for end in ("", "_low", "_high")}
     row |= {"n": len(participants), "n_readings": int(participants["n_readings"].sum())}
     if "force_mean_n" in participants.columns:
@@ -73,7 +76,7 @@ def _condition(participants: pd.DataFrame) -> dict[str, object]:
 
 
 ANALYSIS = TaskAnalysis(
-    "A sensor was read",
+    "A sensor measured the stimulus",
     "lme4::lmer(level_measured ~ {plus} + (1 | participant), {data})",
     results=Results({"loss_participants": losses, "loss": loss_table}),
 )

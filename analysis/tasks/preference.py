@@ -1,7 +1,8 @@
-"""Worths of items from paired comparisons.
+"""Worths of items estimated from paired comparisons (Bradley-Terry model).
 
-The log odds that the first of a pair is preferred are the difference of the two items' worths plus an effect of the
-order (Bradley and Terry 1952, Biometrika 39, 324-345; order: Davidson and Beaver 1977, Biometrics 33, 693-702).
+The log odds that the first item of a pair is preferred are the difference between the worths of both items plus an
+effect of the order (Bradley and Terry 1952, Biometrika 39, 324-345; order: Davidson and Beaver 1977, Biometrics 33,
+693-702).
 """
 
 import warnings
@@ -27,11 +28,11 @@ from .task_analysis import Results, TaskAnalysis
 Texts = NDArray[np.str_]
 
 TASK, SHARES, ORDER = "preference", "preference_shares", "first of the pair"
-ALWAYS_FIRST = "which of a pair came first decided what was preferred: no finite worths"
+ALWAYS_FIRST = "no finite worths: the order within a pair determined every preference"
 ROBUST_FROM = 5
-"""From this number of participants, standard errors are clustered by participant."""
+"""Smallest number of participants for standard errors clustered by participant."""
 MOST_LOG_ODDS = 16.0
-"""Larger log odds mean that the predictors separate the answers (odds of 9e6)."""
+"""Log odds (odds of 9e6) above which the predictors separate the answers."""
 WORTH = ("worth", "standard_error", "low", "high")
 
 
@@ -43,24 +44,25 @@ def bradley_terry(
     *,
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Estimate the worths of the items of paired comparisons by maximum likelihood.
+    """Estimate the worths of items of paired comparisons.
 
     Parameters
     ----------
     first, second : (n_trials,) sequence of str
-        Two different items of each pair, in their order.
+        First and second item of each pair, which must differ.
     preferred : (n_trials,) sequence of int
-        1 where the first, 2 where the second was preferred.
+        1 if the first item was preferred, 2 if the second was preferred.
     participants : (n_trials,) sequence of str, optional
-        From 5 participants on, standard errors are clustered by participant (Liang and Zeger's sandwich), intervals t
-        with n - 1 degrees of freedom; else answers count as independent.
+        With at least 5 participants, standard errors are clustered by participant (Liang and Zeger's sandwich
+        estimator), and intervals use t with n - 1 degrees of freedom. Otherwise answers count as independent.
 
     Returns
     -------
     DataFrame
-        `item, n_pairs, n_preferred, worth, standard_error, low, high, note`: a row per item, then the gain of the first
-        of a pair. Worths are log odds with mean 0. They are missing, and `note` states why, if some items were never
-        preferred to some others, directly or through others (Ford 1957), or the order decided.
+        `item, n_pairs, n_preferred, worth, standard_error, low, high, note`: one row per item, followed by the
+        advantage of the first item. Worths are log odds with mean 0. They are missing if some items were never
+        preferred to some others, directly or indirectly (Ford 1957), or if the order determined every preference.
+        `note` is then the reason.
 
     >>> found = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
     ...     [1, 1, 2, 1, 1, 2, 1, 1, 2, 1, 2, 2, 1, 2, 2, 1, 2, 1, 2, 1, 1, 2, 2, 2])
@@ -71,7 +73,7 @@ def bradley_terry(
     items, places = np.unique(
         np.stack([np.asarray(first, dtype=str), np.asarray(second, dtype=str)]), return_inverse=True
     )
-    places = places.reshape(2, -1)  # of the first and of the second item of each pair
+    places = places.reshape(2, -1)  # indices of the first and second item of each pair
     winner, loser = np.where(answer == 1, places, places[::-1])
     n_pairs = [*np.bincount(places.ravel()), len(answer)]
     n_preferred = [*np.bincount(winner, minlength=len(items)), np.nan]
@@ -87,7 +89,7 @@ def bradley_terry(
 
 
 def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
-    """Name items that were never preferred to some others, directly or through others (Ford's condition)."""
+    """Return a note on items never preferred to some others (Ford 1957)."""
     from scipy.sparse.csgraph import connected_components  # slow to load
 
     beats = np.zeros((len(items), len(items)))
@@ -96,21 +98,22 @@ def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
     for low, high in permutations(range(n), 2):
         if not beats[np.ix_(group == low, group == high)].any():
             names = [", ".join(items[group == place]) for place in (low, high)]
-            return f"{names[0]} never preferred to {names[1]}: no finite worths"
+            return f"no finite worths: {names[0]} never preferred to {names[1]}"
     return ""
 
 
 def _fit_worths(
     places: Indices, prefers_first: Bools, participants: Sequence[str] | None
 ) -> tuple[Array, Array, float] | None:
-    """Return worths and the order's effect (n_items + 1,), standard errors, and degrees of freedom (infinite: normal).
+    """Return worths with the effect of order, standard errors and df.
 
-    `places` (2, n_trials) are those of the items of each pair. None if the order separates the answers.
+    `places` (2, n_trials) are the indices of both items of each pair. Degrees of freedom are infinite for normal
+    intervals. Returns None if the order separates the answers.
     """
     import statsmodels.api as sm  # slow to load
 
     n_items, n_trials = int(places.max()) + 1, places.shape[1]
-    # Worths have the mean 0: that of the last item is minus the sum of the others.
+    # Worths have mean 0, so the last worth is minus the sum of the others.
     basis = np.vstack([np.eye(n_items - 1), np.full(n_items - 1, -1.0)])
     design = np.column_stack([basis[places[0]] - basis[places[1]], np.ones(n_trials)])
     people = np.zeros(n_trials) if participants is None else np.asarray(participants, dtype=str)
@@ -118,7 +121,7 @@ def _fit_worths(
     is_robust = len(names) >= ROBUST_FROM
     errors: dict[str, Any] = {"cov_type": "cluster", "cov_kwds": {"groups": codes}} if is_robust else {}
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")  # warnings of separated answers
+        warnings.simplefilter("ignore")  # ignore warnings about separated answers
         fit = sm.GLM(prefers_first.astype(float), design, family=sm.families.Binomial()).fit(tol=1e-14, **errors)
     if not np.abs(design @ fit.params).max() <= MOST_LOG_ODDS:
         return None
@@ -129,12 +132,12 @@ def _fit_worths(
 
 
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the worths of the items in each condition, then the order's effect.
+    """Return worths by condition, followed by the effect of order.
 
     Raises
     ------
     InvalidFile
-        If the table does not say which two items were compared.
+        If the table does not state which items were compared.
     """
     _check_pairs(rows)
     varied = [name for name in factors if rows[name].nunique() > 1]
@@ -149,7 +152,7 @@ def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
 
 
 def _check_pairs(rows: pd.DataFrame) -> None:
-    expected = "the two items of a preference in item and item_b, the one that came first in item"
+    expected = "the first item of each pair in 'item' and the second in 'item_b'"
     for name in ("item", "item_b"):
         if name not in rows.columns:
             raise InvalidFile(f"{rows['source'].iloc[0]}: {no_column(name, rows)}, expected {expected}")
@@ -161,7 +164,7 @@ def _check_pairs(rows: pd.DataFrame) -> None:
 
 
 def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the share of its pairs in which each item was preferred, with the exact 95 % interval.
+    """Return the share of pairs in which each item was preferred.
 
     Raises
     ------
@@ -178,9 +181,9 @@ def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
-    """Return items with the unit of their factor, within each condition in the order of their numbers."""
+    """Add units to items, and sort them by number."""
     del unit
-    # Each trial compares levels of a factor whose own column is empty.
+    # The column of the compared factor is empty, as each trial compares two of its levels.
     stated = stated_factors(list(trials.rows.columns))
     bare = [name for name in stated if not trials.rows[name].replace("", None).notna().any()]
     if len(bare) != 1:
@@ -193,20 +196,20 @@ def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants reported which of two they preferred",
+    "Participants reported which of two stimuli they preferred",
     "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
     "factor(item_b, unique(c(item, item_b)))))",
     results=Results(
         {TASK: preference_table, SHARES: share_table},
         "Paired preferences were fitted by the Bradley-Terry model with an effect of the order (Bradley & Terry 1952), "
-        "with 95 % intervals that from five participants on count that a person's answers are alike.",
+        "with 95 % intervals; with five or more participants, standard errors were clustered by participant.",
         works=(
             "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
             "paired comparisons. Biometrika, 39, 324-345.",
         ),
         title="Preferences",
-        lead="Bradley-Terry worths (logarithms of odds, mean 0) with 95 % intervals; below them what the first of a "
-        "pair gains.",
+        lead="Bradley-Terry worths (log odds, mean 0) with 95 % intervals. The last row is the advantage of the first "
+        "item of a pair.",
         in_terminal="preference (Bradley-Terry worths, 95 % interval)",
         view=_view,
     ),

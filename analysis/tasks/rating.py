@@ -1,4 +1,4 @@
-"""Ratings by a questionnaire, which are scored by its own rules (`attrakdiff.scoring`)."""
+"""Ratings by questionnaire; `attrakdiff.scoring` scores the answers."""
 
 from .task_analysis import R_OF_FORM, TaskAnalysis
 

@@ -1,4 +1,4 @@
-"""Tracks of the procedure that chose the levels, and its own estimate: mean of reversals or of a posterior."""
+"""Tracks of the procedure, and its own threshold estimate."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,16 +15,16 @@ from ..reading.unfolded import COUNTED
 from .cell import Estimate
 
 RUN = ("session", "study", "block")
-"""Columns that identify a block of one participant."""
+"""Columns that identify a block, together with the participant."""
 DISCARDED = 2
-"""First reversals that do not count (Levitt 1971)."""
+"""Number of initial reversals that are discarded (Levitt 1971)."""
 FIXED = ("constant", "constant_stimuli", COUNTED, EASY)
 """Procedures whose levels do not depend on the answers."""
 
 
 @dataclass(frozen=True)
 class RuleEstimate:
-    """Estimate of one run, standard deviation and number of its reversals or answers, and a note."""
+    """Estimate of one run, with SD and number of reversals or answers."""
 
     estimate: float | None = None
     sd: float | None = None
@@ -33,13 +33,13 @@ class RuleEstimate:
 
 
 Replay = Callable[[pd.DataFrame], Mapping[str, RuleEstimate]]
-"""Function that maps the ordered trials of a block, with `yes` and the level `x`, to each track's estimate."""
+"""Function that maps the trials of a block (in order, with `yes` and level `x`) to the estimate of each track."""
 
 
 def rule_columns(
     answers: pd.DataFrame, factors: Sequence[str], estimates: Sequence[Estimate], replay: Replay | None = None
 ) -> pd.DataFrame:
-    """Return a row for each estimate, with the means over several runs."""
+    """Return one row per cell with the estimate, averaged over its runs."""
     runs = _runs(answers[~answers["is_catch"]], factors, replay)
     keys = ((one.cell.participant, *one.cell.condition, one.cell.task) for one in estimates)
     return pd.DataFrame([_mean_estimate(runs.get(key, [])) for key in keys]).add_prefix("rule_")
@@ -51,7 +51,7 @@ def _runs(
     unsaid = {name: rows[name].fillna(0) for name in RUN if name in rows.columns}
     rows = rows.assign(track=rows["track"].fillna("") if "track" in rows.columns else "", **unsaid)
     of_block = ["participant", *(name for name in RUN if name in rows.columns)]
-    # By blocks, as tracks of one block may use each other's answers.
+    # Replay whole blocks, as tracks of a block may share answers.
     replayed = {} if replay is None else {key: replay(block) for key, block in _groups(rows, of_block)}
     runs: dict[tuple[object, ...], list[RuleEstimate]] = {}
     for key, run in _groups(rows, [*of_block, "track", *factors, "task"]):
@@ -67,7 +67,7 @@ def _groups(rows: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any
 
 def _mean_estimate(runs: Sequence[RuleEstimate]) -> RuleEstimate:
     known = [(run.estimate, run.sd, run.n or 0) for run in runs if run.estimate is not None]
-    notes = "; ".join(dict.fromkeys(run.note for run in runs)) or "no trial of a rule"
+    notes = "; ".join(dict.fromkeys(run.note for run in runs)) or "no trials"
     if not known:
         return RuleEstimate(note=notes)
     estimates, sds, n = zip(*known, strict=True)
@@ -77,36 +77,38 @@ def _mean_estimate(runs: Sequence[RuleEstimate]) -> RuleEstimate:
 
 
 def from_rows(run: pd.DataFrame) -> RuleEstimate:
-    """Return the estimate from the levels of a run alone: the mean of a staircase's reversals."""
+    """Estimate from the levels of a run, as the mean of reversals."""
     run = run[run["procedure"] != EASY] if "procedure" in run.columns else run
     names = set(run["procedure"]) if "procedure" in run.columns else set()
     name = str(next(iter(names))) if len(names) == 1 else ""
     if not name:
-        return RuleEstimate(note="no rule: the table does not name the procedure")
+        return RuleEstimate(note="no estimate: the table does not name the procedure")
     if name in FIXED:
-        return RuleEstimate(note=f"no rule: the levels of {name} do not depend on the answers")
+        return RuleEstimate(note=f"no estimate: the levels of {name} do not depend on the answers")
     if "stair" not in name.lower():
-        return RuleEstimate(note=f"the parameters of {name} are not known: no study.toml next to the table")
-    return of_reversals(reversals(run["x"].tolist()), "seen in the levels")
+        return RuleEstimate(
+            note=f"no estimate: without study.toml next to the table, the parameters of {name} are unknown"
+        )
+    return of_reversals(reversals(run["x"].tolist()), "in the levels")
 
 
 def reversals(levels: Sequence[float]) -> list[float]:
     """Return the levels at which a track changes direction."""
-    # A repeated level is no move: a reversal is a change between moves.
+    # Skip repeated levels: a reversal is a change of direction between two moves.
     moves = [(level, np.sign(then - level)) for level, then in pairwise(levels) if then != level]
     return [level for (_, old_sign), (level, sign) in pairwise(moves) if old_sign != sign]
 
 
 def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
-    """Return the mean of reversals without the first two, even in number."""
-    kept = turns[DISCARDED + (len(turns) - DISCARDED) % 2 :]  # as many peaks as valleys
+    """Return the mean of an even number of late reversals."""
+    kept = turns[DISCARDED + (len(turns) - DISCARDED) % 2 :]  # equal numbers of peaks and valleys
     if len(kept) < 2:
         return RuleEstimate(note=f"too few reversals: {len(turns)} {where}")
     return RuleEstimate(fmean(kept), stdev(kept), len(kept), f"mean of reversals {where}")
 
 
 def tracks(judged: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the trials whose level follows the answers, without catch trials, with `step` from 1 in each track."""
+    """Return the trials of adaptive tracks, numbered by `step` from 1."""
     if "procedure" not in judged.columns:
         return pd.DataFrame()
     rows = judged[~judged["procedure"].isin(FIXED) & ~judged["is_catch"]]

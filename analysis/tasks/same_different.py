@@ -1,4 +1,4 @@
-"""Sensitivity in same-different trials under two decision rules (Macmillan and Creelman 2005, chapter 9)."""
+"""Same-different sensitivity (Macmillan and Creelman 2005, chapter 9)."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -19,10 +19,12 @@ COUNTS = {"hits": ("n_hits", "n_different"), "false alarms": ("n_false_alarms", 
 
 
 def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> float:
-    """Return d' of an observer who answers "different" where two sensations differ by more than a criterion k.
+    """Return d' under the differencing rule.
 
-    False alarms are 2 Phi(-k / sqrt 2), hits Phi((d' - k) / sqrt 2) + Phi((-d' - k) / sqrt 2), with the log-linear rule
-    for both rates. 0 if different pairs are not called different more often than same ones.
+    The observer answers "different" if two sensations differ by more than a criterion k.
+
+    The false-alarm rate is 2 Phi(-k / sqrt 2), the hit rate Phi((d' - k) / sqrt 2) + Phi((-d' - k) / sqrt 2). Both
+    rates use the log-linear correction. d' is 0 if different pairs are not called different more often than same pairs.
 
     Raises
     ------
@@ -44,9 +46,10 @@ def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int,
 
 
 def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> float:
-    """Return d' of an observer who classifies each sensation separately (independent observations).
+    """Return d' under the independent-observation rule.
 
-    2 z((1 + sqrt(2 p - 1)) / 2), where p = Phi((z(H) - z(F)) / 2) is the unbiased rate correct.
+    The observer classifies each sensation separately. d' = 2 z((1 + sqrt(2 p - 1)) / 2), where p = Phi((z(H) - z(F)) /
+    2) is the unbiased rate correct.
 
     Raises
     ------
@@ -55,18 +58,21 @@ def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, 
     """
     hit, false_alarm = _rates(n_hits, n_different, n_false_alarms, n_same)
     correct = ndtr((hit - false_alarm) / 2)
-    above_chance = max(2 * correct - 1, 0.0)  # fewer hits than false alarms have no root: d' is 0
+    above_chance = max(2 * correct - 1, 0.0)  # d' is 0 for fewer hits than false alarms
     return 2 * float(ndtri((1 + sqrt(above_chance)) / 2))
 
 
 def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> tuple[float, float]:
-    """Return the rates of hits and false alarms as standard normal deviates."""
+    """Return the hit and false-alarm rates as standard normal deviates."""
     hit = z_score("n_hits", n_hits, "n_different", n_different)
     return hit, z_score("n_false_alarms", n_false_alarms, "n_same", n_same)
 
 
 def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return counts and d' by both rules, or a note, for each participant, condition and level."""
+    """Return counts and d' by participant, condition and level.
+
+    Without a d', `note` is the reason.
+    """
     rows = rows.assign(different=numbers_of(rows["response"]), is_same=is_catch(rows))
     keys = ["participant", *factors]
     other = rows[~rows["is_same"]].groupby([*keys, "level"])["different"].agg(n_hits="sum", n_different="size")
@@ -78,7 +84,7 @@ def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataF
 
 
 def _sensitivities(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> dict[str, object]:
-    # For answers that are all alike the log-linear rule would give a d' from the numbers of trials alone.
+    # With identical answers, the log-linear d' would depend only on the numbers of trials.
     are_alike = n_hits + n_false_alarms in (0, n_different + n_same)
     note = "all answers alike" if are_alike else ""
     if not n_same:
@@ -91,7 +97,7 @@ RULES = {"d_prime_differencing": differencing_sensitivity, "d_prime_independent"
 
 
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
-    """Return the table with counts as ``3 of 4``, d' by its symbol, and the level with its unit."""
+    """Format counts as ``3 of 4``, and rename columns for readers."""
     del trials
     for name, (count, of) in COUNTS.items():
         shares = [f"{k} of {n}" for k, n in zip(table[count], table[of], strict=True)]
@@ -100,16 +106,16 @@ def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants reported whether a standard and a level differed",
+    "Participants reported whether a standard and a comparison stimulus differed",
     R_OF_LEVEL,
     results=Results(
         {TASK: same_different_table},
-        "Sensitivity in same-different trials is given under the differencing and the independent-observation rule "
+        "Sensitivity in same-different trials was computed under the differencing and the independent-observation rule "
         "(Macmillan & Creelman 2005), with the log-linear correction.",
         works=("Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",),
         title="Same or different",
-        lead="d' per participant, condition and level under the differencing and the independent-observation rule.",
-        in_terminal="same or different (d′ by either rule)",
+        lead="d' by participant, condition and level under the differencing and the independent-observation rule.",
+        in_terminal="same or different (d′ under both rules)",
         view=_view,
     ),
 )

@@ -1,6 +1,6 @@
-"""Signal detection: sensitivity, criterion, forced choice and interval bias.
+"""Signal detection theory: sensitivity, criterion, interval bias.
 
-Green and Swets, Signal Detection Theory and Psychophysics (1966); Hautus 1995 for the log-linear rule.
+Green and Swets, Signal Detection Theory and Psychophysics (1966). Hautus 1995 for the log-linear correction.
 """
 
 from collections.abc import Sequence
@@ -19,14 +19,16 @@ LARGEST_D_PRIME = 12.0
 
 
 class SensitivityIndex(NamedTuple):
-    """d' and criterion c of a yes/no task, in standard deviations of the noise."""
+    """d' and criterion c of a yes/no task, in SDs of the noise."""
 
     d_prime: float
     criterion: float
 
 
 def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noises: int) -> SensitivityIndex:
-    """Return d' = z(H) - z(F) and c = -(z(H) + z(F)) / 2 with the log-linear rule: rates (k + 0.5) / (n + 1).
+    """Return d' = z(H) - z(F) and c = -(z(H) + z(F)) / 2.
+
+    Rates use the log-linear correction (k + 0.5) / (n + 1).
 
     Raises
     ------
@@ -35,17 +37,19 @@ def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noise
     """
     z_hit = z_score("n_hits", n_hits, "n_signals", n_signals)
     z_false_alarm = z_score("n_false_alarms", n_false_alarms, "n_noises", n_noises)
-    return SensitivityIndex(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)  # a zero without a sign
+    return SensitivityIndex(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)  # avoid -0
 
 
 def z_score(name: str, k: int, of: str, n: int) -> float:
     expect(n >= 1, of, n, "at least 1")
-    expect(0 <= k <= n, name, k, f"a count from 0 to {of}, {n}")
+    expect(0 <= k <= n, name, k, f"a count from 0 to {of} ({n})")
     return float(ndtri((k + 0.5) / (n + 1)))
 
 
 def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
-    """Return the probability of a correct, unbiased choice among m: the integral of phi(x - d') Phi(x)^(m - 1).
+    """Return the probability of a correct choice among m alternatives.
+
+    It is the integral of phi(x - d') Phi(x)^(m - 1).
 
     Raises
     ------
@@ -55,13 +59,15 @@ def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
     is_number = n_alternatives >= 2 and n_alternatives == int(n_alternatives)
     expect(is_number, "n_alternatives", n_alternatives, "a whole number from 2")
     expect(np.isfinite(d_prime), "d_prime", d_prime, "a finite number")
-    x, weights = hermegauss(QUADRATURE_NODES)  # of the weight exp(-x^2 / 2): phi(x) up to the sum of the weights
+    x, weights = hermegauss(QUADRATURE_NODES)  # weight exp(-x^2 / 2), which is phi(x) except for the normalisation
     chances = np.exp((n_alternatives - 1) * log_ndtr(x + d_prime))
     return float(weights @ chances / weights.sum())
 
 
 def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float:
-    """Return the d' of an unbiased observer with this rate correct: the inverse of `forced_choice_chance`.
+    """Return the d' of an unbiased observer with this rate correct.
+
+    This is the inverse of `forced_choice_chance`.
 
     Raises
     ------
@@ -79,11 +85,11 @@ def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float
 class IntervalBias(NamedTuple):
     """Stimuli, choices and correct answers by interval.
 
-    `n_target` and `n_chosen` count how often each interval contained the stimulus, and was chosen. `share_correct` is
-    that of correct answers by the interval with the stimulus, None without any. `criterion`, for two intervals, is
-    -(z(H) + z(F)) / 2 of the log-linear rates at which the second was chosen with and without the stimulus; above 0 the
-    first was favoured (Macmillan and Creelman 2005, chapters 2 and 7). `p` is that of a chi-square test of equal shares
-    correct, None if it is undefined.
+    `n_target` counts how often each interval contained the stimulus, `n_chosen` how often it was chosen.
+    `share_correct` is the rate correct by interval of the stimulus, None without trials. `criterion`, for two
+    intervals, is -(z(H) + z(F)) / 2. H and F are the log-linear rates at which the second interval was chosen with and
+    without the stimulus. Above 0 the first interval was favoured (Macmillan and Creelman 2005, chapters 2 and 7). `p`
+    belongs to a chi-square test of equal rates correct, None if it is undefined.
     """
 
     n_target: tuple[int, ...]
@@ -94,12 +100,12 @@ class IntervalBias(NamedTuple):
 
 
 def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals: int = 2) -> IntervalBias:
-    """Summarise a forced choice from the columns `target` and `response` of its valid trials, each from 1.
+    """Summarise a forced choice from targets and responses (from 1).
 
     Raises
     ------
     InvalidParameter
-        If there is no trial, or an interval that does not exist.
+        If there are no trials, or an interval does not exist.
     """
     table = _choices(targets, responses, n_intervals)
     n_target, n_correct = table.sum(axis=1), table.diagonal()
@@ -111,9 +117,9 @@ def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals:
 
 
 def _choices(targets: Sequence[int], responses: Sequence[int], n_intervals: int) -> Indices:
-    """Return counts (target, response)."""
+    """Return the counts of answers, shape (target, response)."""
     numbers = f"{len(targets)} targets and {len(responses)} responses"
-    expect(len(targets) == len(responses) > 0, "interval_bias", numbers, "as many of both, at least one")
+    expect(len(targets) == len(responses) > 0, "interval_bias", numbers, "equal numbers, at least 1")
     answers = np.array([targets, responses])
     wrong = ~np.isin(answers, np.arange(1, n_intervals + 1)).all(axis=0)
     n = int(wrong.argmax())
@@ -129,6 +135,6 @@ def _equal_shares(table: Indices) -> float | None:
 
     wrong_and_right = np.array([table.diagonal(), table.sum(axis=1) - table.diagonal()])
     if not (wrong_and_right.any(axis=0).all() and wrong_and_right.any(axis=1).all()):
-        return None  # an empty row or column has no expected counts
-    # Without Yates's correction, which makes the test too careful.
+        return None  # expected counts of 0
+    # Yates's correction would make the test too conservative.
     return float(chi2_contingency(wrong_and_right, correction=False).pvalue)

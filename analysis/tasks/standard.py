@@ -1,4 +1,4 @@
-"""Comparisons against their standard: test of the point of subjective equality, and answers at the lowest level."""
+"""Tests of comparisons: PSE against the standard, and lowest level."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -20,24 +20,24 @@ from .kinds import CURVES
 TASKS = tuple(name for name, curve in CURVES.items() if curve.has_difference)
 STANDARD, UNIT = "standard_level", "level_unit"
 TESTS, FLOORS = "standard", "lowest_levels"
-"""Names of both tables."""
+"""Names of the tables."""
 JND = ("jnd", "jnd_low", "jnd_high")
 FEWEST = 3
-"""Fewer participants are tested one by one, by the posterior interval."""
+"""Smallest number of participants for a t-test; fewer are tested individually by posterior interval."""
 HIGHEST_FLOOR = 0.05
-"""The largest rate of "more" at the lowest level that lapses explain: half of 10 % lapses (unverified default)."""
+"""Largest rate of "more" at the lowest level that lapses explain: half of 10 % lapses (unverified default)."""
 FLOOR_P = 0.01
 
 
 def standard_tests(
     estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequence[str], jnds: pd.DataFrame | None = None
 ) -> pd.DataFrame:
-    """Test whether the points of subjective equality differ from the standard, with JND and Weber fraction.
+    """Test whether points of subjective equality differ from the standard.
 
-    A t-test needs `FEWEST` participants; with fewer, `differs` is True where the standard lies outside of the 95 %
-    interval of the posterior, and missing without an interval. Mean JNDs are those of the group table `jnds`, which
-    counts bounds. Empty without a standard. `weber_fraction` is the JND as a share of the standard, in amplitude where
-    levels are logarithms.
+    A t-test needs `FEWEST` participants. With fewer, `differs` is True if the standard lies outside the 95 % posterior
+    interval, and missing without an interval. Mean JNDs are those of the group table `jnds`, which accounts for bounds.
+    `weber_fraction` is the JND divided by the standard, both as amplitudes if levels are logarithms. The result is
+    empty without a standard.
     """
     compared = estimates[estimates["task"].isin(TASKS)] if len(estimates) else estimates
     if compared.empty or STANDARD not in used.columns:
@@ -48,7 +48,7 @@ def standard_tests(
     in_cell = standards.groupby(keys, observed=True)[STANDARD].agg(["first", "nunique"])
     one = in_cell.loc[in_cell["nunique"] == 1, "first"].rename(STANDARD).reset_index()
     compared = compared.merge(one, on=keys)
-    # The interval of a flat cell is valid only if there is a point of equality at all.
+    # For flat cells the interval assumes that a point of equality exists, so it is not used.
     is_told = compared["pse"].notna() | compared["status"].isin((Status.BELOW, Status.ABOVE))
     for name, of in (("difference", "pse"), ("low", "interval_low"), ("high", "interval_high")):
         compared[name] = (compared[of].astype(float) - compared[STANDARD]).where(is_told)
@@ -58,7 +58,7 @@ def standard_tests(
 
 
 def _weber_fraction(row: dict[str, Any], unit: str) -> float | None:
-    """Return the just noticeable difference as a share of the standard; None without one.
+    """Return the just noticeable difference divided by the standard, or None.
 
     >>> round(_weber_fraction({"jnd": 1.5836, "standard_level": 40.0}, "dB re 1 V"), 4)
     0.2
@@ -93,7 +93,7 @@ def _tests(
 def _mean_jnd(
     cells: pd.DataFrame, factors: Sequence[str], key: tuple[object, ...], jnds: pd.DataFrame | None
 ) -> dict[str, object]:
-    """Return the mean JND of a condition: that of the group table, if it has the same participants."""
+    """Return the mean JND of a condition."""
     if jnds is not None and len(row := jnds[(jnds[list(factors)] == list(key[:-1])).all(axis=1)]) == 1:
         group = row.iloc[0]
         if group[list(COUNTS)].sum() == len(cells):
@@ -104,7 +104,7 @@ def _mean_jnd(
 
 
 def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
-    """Return the mean difference with its interval and t-test; no test where all are alike."""
+    """Return the mean difference with interval and t-test, if defined."""
     row = mean_row(np.asarray(differences, dtype=np.float64), name="difference")
     sd, n = row.pop("sd"), len(differences)
     if not sd:
@@ -115,7 +115,7 @@ def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
 
 
 def lowest_levels(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
-    """Test the rate of "more" at the lowest level of each condition against `HIGHEST_FLOOR` (one-sided, binomial)."""
+    """Test if "more" is too frequent at the lowest level (binomial)."""
     keys = [*factors, "task"]
     compared = [cell for cell in cells if cell.task in TASKS and cell.levels]
     rows = [(*cell.condition, cell.task, cell.n_yes[0], cell.n_trials[0]) for cell in compared]
@@ -128,20 +128,20 @@ def lowest_levels(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame
 
 
 def floor_warnings(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """Warn of each condition whose lowest level was called "more" too often for lapses."""
+    """Warn about too many "more" answers at the lowest level."""
     for row in table.to_dict("records"):
         if row["p"] <= FLOOR_P:
             where = condition_name(factors, [row[name] for name in factors])
             yield (
                 f'at the lowest level {percent_text(row["rate"])} of {row["n_trials"]} answers were "more" ({where}; '
-                f"exact binomial test of at most {percent_text(HIGHEST_FLOOR)}: {p_text(row['p'])}): the standard may "
-                "be near the detection threshold, or the levels begin too high. The model of all participants, whose "
-                "curve begins at 0, is then biased. The JND is that above the PSE alone"
+                f"exact binomial test against {percent_text(HIGHEST_FLOOR)}: {p_text(row['p'])}): the standard may "
+                "be near the detection threshold, or the lowest level may be too high. The hierarchical model, whose "
+                "lower asymptote is 0, is then biased. The JND is the one above the PSE"
             )
 
 
 def standard_sentences(table: pd.DataFrame, factors: Sequence[str], unit: str) -> list[str]:
-    """State each test of the standard in words."""
+    """Return a sentence for each test against the standard."""
     return [_sentence(row, factors, f" {unit}" if unit else "") for row in table.to_dict("records")]
 
 

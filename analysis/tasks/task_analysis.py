@@ -1,4 +1,4 @@
-"""Analysis of a task: the `ANALYSIS` of each task's file."""
+"""Classes that describe the analysis of a task."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,10 +14,10 @@ from ..reading.trials import Trials
 
 SHAPE = "normal"
 FORCED_CHOICE_LAPSE_BETA = 20.0
-"""The prior of lapses is Beta(1, 20) where the guess rate is known."""
+"""The prior of the lapse rate is Beta(1, 20) if the guess rate is known."""
 DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))
-"""The just noticeable difference over the standard deviation of the normal function: 0.6745."""
+"""Just noticeable difference divided by the standard deviation of the normal function: 0.6745."""
 DIFFERENCE_PER_WIDTH = JND_PER_SD / SHAPES[SHAPE].z_width
 
 
@@ -28,17 +28,17 @@ class Curve:
     Parameters
     ----------
     rate_label, success : str
-        Names of the rate on an axis, and of a success in a caption.
+        Label of the rate on an axis, and name of a success in a caption.
     options : callable
-        Options of the fit, from the number of alternatives and the unit of the levels.
+        Returns the options of the fit from the number of alternatives and the unit of the levels.
     scored_by : str
-        Column with 1 for a success, 0 else.
+        Column that is 1 for a success and 0 otherwise.
     has_difference : bool
-        The threshold is a point of subjective equality, the width a just noticeable difference.
+        True if the threshold is a point of subjective equality and the width a just noticeable difference.
     counts_catch : bool
-        Catch trials determine the guess rate.
+        True if catch trials inform the guess rate.
     methods : str
-        Sentence of the methods section, with ``{guess_rate}``.
+        Sentence of the methods section, which may contain ``{guess_rate}``.
     estimate : str
         Point estimate of the threshold. In forced choice the mode is biased upwards by lapses.
     """
@@ -54,21 +54,21 @@ class Curve:
 
     @property
     def dependents(self) -> tuple[str, ...]:
-        """Values that are compared between conditions."""
+        """Names of the variables that are compared between conditions."""
         return ("pse", "jnd") if self.has_difference else ("threshold",)
 
 
 def shape_of(unit: str) -> str:
-    """Return the shape of a detection function for a unit of the levels.
+    """Return the shape of a detection function from the unit of the levels.
 
-    A Weibull of the amplitude, which is a Gumbel if levels are logarithms (Watson 1979, Vision Res. 19, 515), else the
-    cumulative normal.
+    If levels are logarithms, the shape is Gumbel, which is a Weibull function of the amplitude (Watson 1979, Vision
+    Res. 19, 515). Otherwise it is the cumulative normal.
     """
     return DETECTION_SHAPE_IN_DB if is_logarithm(unit) else SHAPE
 
 
 def detection(unit: str, guess_rate: float | None) -> Mapping[str, Any]:
-    """Return the options of a detection fit; a guess rate of None is free."""
+    """Return the options of a detection fit; a `guess_rate` of None is free."""
     options = {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
     return options if guess_rate is None else options | {"lapse_beta": FORCED_CHOICE_LAPSE_BETA}
 
@@ -80,23 +80,24 @@ class Results:
     Parameters
     ----------
     tables : mapping of str to callable
-        Tables by name, each from the used rows of the task and the factors.
+        Functions by table name, which make a table from the used rows of the task and the factors.
     methods : str
         Sentences of the methods section.
     works : tuple of str
         References that `methods` cites.
     dependent : str
-        Column that is compared between conditions; empty: none.
+        Column that is compared between conditions, or "".
     compared : str
-        Table with that column, a row for each participant and condition; by default that named as the task.
+        Name of the table with that column and one row per participant and condition. The default is the name of the
+        task.
     further : tuple of str
-        Columns of that table that are conditions in addition to the factors.
+        Columns of that table that count as conditions in addition to the factors.
     in_levels : bool
-        The dependent value is in the unit of the levels, as are the equivalence bounds of a plan.
+        True if the dependent variable (and so an equivalence bound) is in the unit of the levels.
     title, lead, in_terminal : str
-        Heading and first sentence on the page, and title in the terminal, of a table that is shown as it is.
+        Heading and first sentence on the page, and title in the terminal, of a table that is shown directly.
     view : callable
-        The table named as the task for readers, from it, the trials and the unit of the levels.
+        Formats the table for readers, given the table, the trials and the unit of the levels.
     """
 
     tables: Mapping[str, Callable[[pd.DataFrame, Sequence[str]], pd.DataFrame]]
@@ -119,12 +120,12 @@ class TaskAnalysis:
     Parameters
     ----------
     course : str
-        Course of a trial, a sentence without its full stop.
+        Course of a trial, as a sentence without full stop.
     r_model : str
-        Model of the answers in R: ``{data}`` is the table, ``{times}`` crosses the level with the factors, ``{plus}``
-        are the factors alone, ``{n_choices}`` the alternatives.
+        Model of the answers in R. ``{data}`` is the table, ``{times}`` crosses the level with the factors, ``{plus}``
+        is the sum of the factors, ``{n_choices}`` the number of alternatives.
     curve : Curve, optional
-        Psychometric function that is fitted.
+        Psychometric function to fit.
     results : Results, optional
         Results of a task without a curve.
     """
@@ -136,13 +137,13 @@ class TaskAnalysis:
 
     @property
     def dependents(self) -> tuple[str, ...]:
-        """Values that are compared between conditions."""
+        """Names of the variables that are compared between conditions."""
         if self.curve is not None:
             return self.curve.dependents
         return (self.results.dependent,) if self.results is not None and self.results.dependent else ()
 
 
 R_OF_LEVEL = 'lme4::glmer(as.integer(response) ~ level{times} + (1 + level | participant), {data}, binomial("probit"))'
-"""Model of answers 1 and 0 that depend on the level."""
+"""R model of binary answers that depend on the level."""
 R_OF_FORM = "ordinal::clmm(factor(response, ordered = TRUE) ~ {plus} + (1 | participant) + (1 | item), data = {data})"
-"""Model of points of a scale."""
+"""R model of ratings on an ordinal scale."""

@@ -1,4 +1,4 @@
-"""Yes/no detection: a threshold, with the guess rate from catch trials."""
+"""Yes/no detection: threshold, with guess rate from catch trials."""
 
 from .task_analysis import R_OF_LEVEL, Curve, TaskAnalysis, detection
 
@@ -10,8 +10,8 @@ ANALYSIS = TaskAnalysis(
         "yes",
         lambda n_choices, unit: detection(unit, None),
         counts_catch=True,
-        methods="Lapse rate and guess rate of yes/no answers were free (both Beta(1, 10)), "
-        "the latter bound by the catch trials.",
+        methods="For yes/no answers, the lapse rate and the guess rate were free (prior Beta(1, 10) for both); "
+        "catch trials inform the guess rate.",
         estimate="mode",
     ),
 )

@@ -1,4 +1,4 @@
-"""Fits of a psychometric function to counts of answers."""
+"""Fits of psychometric functions to counts of answers."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Posterior band of a psychometric function, level by level."""
+"""Pointwise posterior band of a psychometric function."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,12 +16,12 @@ from .mode import find_mode
 from .posterior import find_box, masses_in
 
 N_DRAWS = 500
-"""Curves that stand for the posterior; the ends of a band of 95 % are those of the thirteenth from each side."""
+"""Number of curves drawn from the posterior; the ends of a 95 % band are near the thirteenth curve from each side."""
 
 
 @dataclass(frozen=True)
 class CurveBand:
-    """Lower end, median and upper end of psi at `levels`, and of the threshold."""
+    """Lower end, median and upper end of psi at `levels`, and of threshold."""
 
     levels: Array
     low: Array
@@ -44,9 +44,9 @@ def curve_band(
     Parameters
     ----------
     levels, n_correct, n_trials : (n_levels,) array_like
-        As for `fit`. There is no band with fewer than two levels.
+        As for `fit`. With fewer than two levels the result is None.
     at : (n,) array_like
-        Levels of the band, in the same unit.
+        Levels at which to compute the band, in the same unit.
     interval : float
         Coverage at each level, between 0 and 1.
     **options
@@ -75,7 +75,7 @@ def curve_band(
 
 
 def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
-    """Return nodes (n_draws, 4) at equal steps of one posterior's mass."""
+    """Return nodes (n_draws, 4) at equal steps of posterior mass."""
     prior, box = posterior.prior, find_box(posterior, find_mode(posterior))
     axes, mass = masses_in(posterior, box.low[0], box.high[0])
     cumulated = np.cumsum(mass.ravel(), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Counts of answers per level, checked, pooled and scaled."""
+"""Counts of answers by level: checks, pooling and scaling."""
 
 from dataclasses import dataclass, replace
 
@@ -11,17 +11,17 @@ from tactometry.errors import InvalidParameter
 from ..arrays import Array, Bools, Indices, Rows
 
 POOLED_BELOW = 1e-9
-"""Levels closer than this part of their range are one level."""
+"""Levels closer than this fraction of their range are pooled."""
 LARGEST = 1e300
-"""Levels beyond have ranges that no number holds."""
+"""Largest absolute level, as the range of larger levels could overflow."""
 
 
 @dataclass(frozen=True)
 class Counts(Rows):
     """Counts of many data sets, at levels u = (level - centre) / spread.
 
-    `u`, `n_yes`, `n_trials` have the shape (n_sets, n_levels); unused places have n_trials 0 and u 0.
-    `centre`, `spread` (the range of the levels, 1 where there is no range), `gap` (smallest spacing over
+    `u`, `n_yes`, `n_trials` have the shape (n_sets, n_levels); unused slots have n_trials 0 and u 0.
+    `centre`, `spread` (the range of the levels, or 1 for a single level), `gap` (smallest spacing over
     spread) and `n_levels` (distinct levels used) have the shape (n_sets,).
     """
 
@@ -37,7 +37,7 @@ class Counts(Rows):
         return len(self.u)
 
     def by_level(self) -> "Counts":
-        """Return the counts with a level's sets together, for faster sums."""
+        """Return the counts with sets adjacent in memory, for faster sums."""
         u, k, n = (np.asfortranarray(values) for values in (self.u, self.n_yes, self.n_trials))
         return replace(self, u=u, n_yes=k, n_trials=n)
 
@@ -47,37 +47,37 @@ def count_arrays(
 ) -> tuple[Array, Array, Array]:
     """Check levels and counts and return arrays (n_sets, n_levels).
 
-    With `logarithms` the levels are replaced by their logarithms. Values are 0 where there is no trial.
+    With `logarithms` the levels are replaced by their logarithms. Values without trials are 0.
 
     Raises
     ------
     InvalidParameter
-        Naming the row (and the data set) of the first value that cannot be used.
+        For an invalid value. The error names the row (and the data set) of the first one.
     """
     x = _numbers("levels", levels)
     k = _numbers("n_correct", n_correct)
     n = _numbers("n_trials", n_trials)
     try:
         if x.ndim and k.ndim and x.shape[-1] != k.shape[-1]:
-            raise ValueError  # one count would broadcast to every level
+            raise ValueError  # a single count would broadcast to every level
         x, k, n = (np.atleast_2d(v) for v in np.broadcast_arrays(x, k, n))
     except ValueError:
         raise InvalidParameter(
-            f"levels, n_correct, n_trials: found the shapes {x.shape}, {k.shape}, {n.shape}, expected equal ones"
+            f"levels, n_correct, n_trials: found the shapes {x.shape}, {k.shape}, {n.shape}, expected equal shapes"
         ) from None
     expect(x.ndim == 2, "levels", f"{x.ndim} dimensions", "(data set, level)")
     used = n != 0
-    # Each test negates the expectation, so that NaN is rejected too.
+    # The tests are negated expectations, so that NaN is rejected too.
     is_size = np.isfinite(n) & (n > 0) & (n == np.floor(n))
     _refuse("n_trials", n, used & ~is_size, "a whole number, 0 or more")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
-    _refuse("levels", x, used & (np.abs(x) > LARGEST), f"at most {LARGEST:g} in size")
+    _refuse("levels", x, used & (np.abs(x) > LARGEST), f"an absolute value of at most {LARGEST:g}")
     if logarithms:
-        _refuse("levels", x, used & ~(x > 0), "a level above 0 (it is a logarithm that is fitted)")
+        _refuse("levels", x, used & ~(x > 0), "a level above 0, as its logarithm is fitted")
         x = np.log(np.where(used, x, 1.0))
     is_count = (k >= 0) & (k == np.floor(k))
     _refuse("n_correct", k, used & ~is_count, "a whole number, 0 or more")
-    _refuse("n_correct", k, used & (k > n), "at most the number of trials of the row")
+    _refuse("n_correct", k, used & (k > n), "at most n_trials of the row")
     return np.where(used, x, 0.0), np.where(used, k, 0.0), np.where(used, n, 0.0)
 
 
@@ -99,14 +99,14 @@ def _refuse(name: str, values: Array, bad: Bools, expected: str) -> None:
 
 
 def normalise(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Counts:
-    """Sort levels (n_sets, n_levels), pool equal ones, and scale each set.
+    """Sort levels (n_sets, n_levels), pool equal levels, and scale each set.
 
     Levels that differ by less than `POOLED_BELOW` of the range are pooled. The range is that of all levels, or
     (`robust_range`) of those within Tukey's fences.
     """
-    if x.shape[1] == 0:  # add an unused place, as the code below needs ends and neighbours
+    if x.shape[1] == 0:  # add an unused slot, as the code below needs at least one
         x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
-    # Unused places go last: pooling and spacings look at neighbours.
+    # Sort unused slots last, as pooling and spacings compare neighbours.
     order = np.argsort(np.where(n > 0, x, np.inf), axis=1, kind="stable")
     x, k, n = (np.take_along_axis(values, order, 1) for values in (x, k, n))
     used = n > 0
@@ -124,7 +124,7 @@ def _ends(x: Array, used: Bools) -> tuple[Array, Array]:
 
 
 def _tukey_range(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Clip the range to Tukey's fences (1977) unless that leaves nothing."""
+    """Clip the range to the fences of Tukey (1977), if quartiles differ."""
     share = np.cumsum(n, axis=1) / np.maximum(n.sum(axis=1, keepdims=True), 1)
     places = ((share < quarter).sum(axis=1, keepdims=True) for quarter in (0.25, 0.75))
     first, third = (np.take_along_axis(x, np.minimum(place, x.shape[1] - 1), 1)[:, 0] for place in places)
@@ -140,7 +140,7 @@ def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
     is_new = np.ones_like(used)
     is_new[:, 1:] = np.diff(u, axis=1) > POOLED_BELOW
     if (is_new | ~used).all():
-        return u, k, n  # nothing to pool: the mean u n / n would change the last bits of the levels
+        return u, k, n  # return early, as the mean u n / n would change the last bits of the levels
     place = np.cumsum(is_new & used, axis=1) - 1
     rows = np.broadcast_to(np.arange(u.shape[0])[:, None], u.shape)[used]
     cells = rows * u.shape[1] + place[used]

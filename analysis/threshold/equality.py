@@ -1,4 +1,4 @@
-"""Point of subjective equality and just noticeable difference of comparisons."""
+"""PSE and just noticeable difference of comparisons."""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,21 +17,21 @@ from .posterior import find_box, masses_in
 from .status import Status
 
 EQUAL, NOTICED = 0.5, 0.75
-"""Rates of "more" at the point of subjective equality, and one just noticeable difference above it."""
+"""Rates of "more" at the point of subjective equality and one just noticeable difference above it."""
 BINS_PER_STEP = 16
-"""Of a histogram, in a step of the posterior's grid."""
+"""Number of histogram bins per step of the posterior's grid."""
 WIDEST_STEPS = 400
-"""Values farther from the median, in steps of the grid, are counted at this distance."""
+"""Largest distance from the mean, in steps of the grid; values beyond are clipped to it."""
 UNKNOWN = (
     *("threshold", "threshold_mode", "threshold_median", "threshold_mean", "width", "width_low", "width_high"),
     *("guess_rate", "lapse_rate", "deviance", "interval_low", "interval_high"),
 )
-"""Fields without a value if the equality lies outside of the levels."""
+"""Fields without a value if the point of equality is out of range."""
 
 
 @dataclass(frozen=True)
 class Equality:
-    """Lower end, median and upper end in the unit of the levels."""
+    """Lower end, median and upper end of PSE and JND."""
 
     pse: tuple[float, float, float]
     jnd: tuple[float, float, float]
@@ -40,7 +40,7 @@ class Equality:
 def fit_comparisons(
     levels: ArrayLike, n_more: ArrayLike, n_trials: ArrayLike, *, interval: float = 0.95, **options: Any
 ) -> tuple[ThresholdFit, ...]:
-    """Fit comparisons as `fit_many` does, with points of equality and differences.
+    """Fit comparisons; return PSEs and just noticeable differences.
 
     >>> (found,) = fit_comparisons([36, 38, 40, 42, 44], [1, 3, 10, 17, 19], 20, guess_rate=None, scale_free_width=True)
     >>> 39.5 < found.threshold < 40.5, 1 < found.jnd < 3
@@ -54,7 +54,7 @@ def fit_comparisons(
 
 
 def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highest: float) -> ThresholdFit:
-    """Replace the middle of the curve by the equality point or its bound."""
+    """Replace the midpoint of the curve by the point of equality or its bound."""
     if equality is None:
         return fit
     (low, pse, high), (narrow, jnd, wide) = equality.pse, equality.jnd
@@ -81,16 +81,16 @@ def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highe
 
 
 def equalities(fitted: Fitting) -> list[Equality | None]:
-    """Return the equality of each data set, None with fewer than two levels.
+    """Return PSE and JND of each data set, None with fewer than two levels.
 
-    The rate is that of all answers, not the part between the asymptotes: a standard compared with itself is called
-    "more" in half of the trials, even if it is often not felt. The shape of the curve is the cumulative normal.
+    The PSE is defined by the rate of all answers, not by the part between the asymptotes: a standard compared with
+    itself is called "more" in half of the trials, even if it is often not felt. The shape is the cumulative normal.
     """
     posterior, boxes = fitted.posterior, fitted.marginals
     found: list[Equality | None] = []
     for n, n_levels in enumerate(posterior.counts.n_levels.tolist()):
         one, low, high = posterior[n : n + 1], boxes.low[n], boxes.high[n]
-        if n_levels > 1 and np.isnan(low).any():  # the data set shared its grid with others
+        if n_levels > 1 and np.isnan(low).any():  # the data set was computed on a shared grid
             box = find_box(one, fitted.mode[n : n + 1])
             low, high = box.low[0], box.high[0]
         found.append(_equality(one, low, high, fitted.interval) if n_levels > 1 else None)
@@ -100,7 +100,7 @@ def equalities(fitted: Fitting) -> list[Equality | None]:
 def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float) -> Equality:
     axes, mass = masses_in(posterior, low, high)
     lapse, guess = axes[LAPSE][:, None], axes[GUESS]
-    # Position of each rate on the normal curve, in standard deviations from its middle.
+    # Position of each rate on the normal curve, in standard deviations from its midpoint.
     shares = ((rate - guess) / (1 - guess - lapse) for rate in (EQUAL, NOTICED))
     equal, noticed = (ndtri(np.clip(share, 1e-9, 1 - 1e-9)) for share in shares)
     per_sd = np.exp(axes[LOG_WIDTH])[:, None, None] / posterior.shape.z_width
@@ -114,7 +114,7 @@ def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float)
 
 
 def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> Array:
-    """Return lower end, median and upper end of values with masses."""
+    """Return the lower end, median and upper end of weighted values."""
     flat, weights = np.broadcast_to(values, mass.shape).ravel(), mass.ravel()
     middle = float((flat * weights).sum() / weights.sum())
     reach = WIDEST_STEPS * step
@@ -124,6 +124,6 @@ def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> A
     smooth = np.convolve(counts, np.full(BINS_PER_STEP, 1 / BINS_PER_STEP), mode="full")
     cumulated = np.cumsum(smooth) / smooth.sum()
     shares = [(1 - interval) / 2, 0.5, (1 + interval) / 2]
-    # A bin's mass is reached at its upper edge, and the box adds a shift of half a step.
+    # Cumulated mass refers to the upper edges of bins; smoothing shifts it by half a step.
     found = np.interp(shares, cumulated, np.arange(len(cumulated)) + 0.5) - (BINS_PER_STEP - 1) / 2
     return np.asarray(found * step / BINS_PER_STEP - reach + middle)

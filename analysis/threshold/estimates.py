@@ -1,4 +1,4 @@
-"""Fits of many data sets, with statuses, in the unit of the levels."""
+"""Results of fits of many data sets, in the unit of the levels."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,9 +20,9 @@ CENSORED = (Status.BELOW, Status.ABOVE)
 WITH_THRESHOLD = (Status.OK, Status.SEPARATED)
 FITTED_ANYWAY = (Status.NON_MONOTONE, Status.TOO_FEW_LEVELS)
 WIDEST_SD = 0.5
-"""In ranges of the levels: with a larger standard error the 95 % interval of a threshold exceeds all levels."""
+"""Largest SD of a threshold, in ranges of the levels; above it the 95 % interval exceeds all levels."""
 WIDEST_LOG_SD = 1.5
-"""Largest standard error of a log width: its interval spans a twentieth to twenty times the width."""
+"""Largest SD of a log width; its interval extends from a twentieth to twenty times the width."""
 
 
 @dataclass(frozen=True)
@@ -32,23 +32,22 @@ class ThresholdFit:
     `threshold` and the interval are in the unit of the levels (`width` too; for the shape ``weibull`` it is
     in natural logarithms of the level). None means that the data do not determine the value. If only a bound is known
     (`threshold_below_range`, `threshold_above_range`) the threshold is None and one end of the interval is
-    the bound. Without a threshold for another reason, as for `flat`, the interval is that of the posterior, and an end
-    is None if the threshold may lie beyond the levels on its side with a probability above 0.2. `deviance` is that of
-    the mode of posterior or likelihood. `note` explains a status and is empty for ``ok``.
+    the bound. If the threshold is missing for another reason, such as `flat`, the interval is that of the posterior. An
+    end is then None if the probability that the threshold lies beyond the levels on this side is above 0.2. `deviance`
+    is evaluated at the mode of the posterior or likelihood. `note` explains a status and is empty for ``ok``.
 
-    `method` is also ``posterior`` if the likelihood was requested but has no maximum, as without a threshold or if
-    the answers change in one step. A maximum of the likelihood has no interval.
+    `method` is also ``posterior`` if the likelihood was requested but has no maximum, for example if the answers change
+    in a single step. A maximum of the likelihood has no interval.
 
-    `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method;
-    with overdispersion they are those of the beta-binomial posterior, as the interval is.
-    `probability_below`, `probability_within` and `probability_above` are the posterior probabilities that determine
-    the status: the threshold lies so far below the levels that all are on the upper asymptote; the levels meet the
-    rise of the function; it lies so far above them that all are on the lower asymptote (None for fewer than two
-    levels).
+    `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior for every method. With
+    overdispersion they and the interval refer to the beta-binomial posterior. `probability_below`, `probability_within`
+    and `probability_above` are the posterior probabilities that determine the status (None for fewer than two levels).
+    In turn: all levels are on the upper asymptote, the levels cover part of the rise of the function, or all levels are
+    on the lower asymptote.
 
     For a comparison (`equality.fit_comparisons`) `threshold` is the point of subjective equality, where half of all
-    answers are "more". `middle` is the middle of the curve between its asymptotes, and `jnd` the distance from equality
-    to 75 % "more".
+    answers are "more". `middle` is the midpoint of the curve between its asymptotes, and `jnd` the distance from the
+    point of subjective equality to 75 % "more".
     """
 
     threshold: float | None
@@ -81,7 +80,7 @@ class ThresholdFit:
 
     @property
     def function(self) -> PsychometricFunction | None:
-        """Fitted curve, or None if one of its parameters is missing."""
+        """Fitted function, or None if one of its parameters is missing."""
         if None in (self.threshold, self.width, self.lapse_rate, self.guess_rate):
             return None
         return PsychometricFunction(
@@ -95,10 +94,10 @@ class ThresholdFit:
 
 @dataclass(frozen=True)
 class Estimates(Rows):
-    """Parameters of many fits with the ends of their intervals.
+    """Parameters of many fits, with the ends of their intervals.
 
     Parameters (n_sets, 4) contain the width itself, not its logarithm. Ends (n_sets, 2) belong to threshold and width.
-    `method` (n_sets,) is the source of the ends.
+    `method` (n_sets,) names the source of the ends.
     """
 
     theta: Array
@@ -109,7 +108,7 @@ class Estimates(Rows):
 
 @dataclass(frozen=True)
 class Fitting:
-    """Data sets, their priors, and the options of their fits."""
+    """Data sets with their priors and the options of their fits."""
 
     posterior: LogPosterior
     shape: str
@@ -155,21 +154,21 @@ class Fitting:
             is_step = (status == Status.SEPARATED) & _within(step.place, estimates.threshold)
             estimates.theta[is_step, THRESHOLD] = step.place[is_step]
 
-        # A perfect fit may round to below 0.
+        # rounding may make the deviance of a perfect fit negative
         deviance = np.maximum(posterior.deviance(basis.theta), 0.0)
         return self._fits(status, estimates, shares, levels, deviance, eta)
 
     def _integrated(self, posterior: LogPosterior, mode: Mode) -> Marginals:
-        """Marginals of every data set with two levels or more."""
+        """Integrate the posterior of every data set with at least two levels."""
         chosen = np.flatnonzero(posterior.counts.n_levels > 1)
         found = batched_marginals(posterior[chosen], mode[chosen], self.interval)
         return Marginals.empty(len(posterior)).replaced(chosen, found)
 
     def _of_posterior(self, mode: Mode, marginals: Marginals, place: Array) -> Estimates:
-        """Return mode, median or mean of the posterior.
+        """Return the mode, median or mean of the posterior.
 
-        The modes of a step form a whole stretch, whose middle is `place`. The median replaces a mode that is on an edge
-        of the priors or outside of its interval.
+        For a step, all thresholds within a range are modes; `place` is the middle of this range. The median replaces a
+        mode on an edge of the priors or outside its interval.
         """
         threshold, width = marginals.threshold[:, [0, 2]], marginals.width[:, [0, 2]]
         theta = marginals.mean
@@ -195,12 +194,12 @@ class Fitting:
         deviance: Array,
         eta: Array | None,
     ) -> tuple[ThresholdFit, ...]:
-        """Return each data set's result, with None for undetermined values."""
+        """Return the result of each data set, with None for undetermined values."""
         counts, (threshold, width, lapse, guess) = self.posterior.counts, estimates.theta.T
         has_curve = counts.n_levels > 1
         is_fitted_anyway = np.isin(status, FITTED_ANYWAY) & has_curve & (np.abs(threshold) <= 0.5)
         has_threshold = np.isin(status, WITH_THRESHOLD) | is_fitted_anyway
-        has_width = has_threshold & (status != Status.SEPARATED)  # the width of a step has only an upper bound
+        has_width = has_threshold & (status != Status.SEPARATED)  # a step determines only an upper bound of the width
         has_low, has_high = _has_ends(status, shares, has_threshold).T & has_curve
         low, high = self._levels(estimates.threshold.T)
         narrow, wide = counts.spread * estimates.width.T
@@ -237,16 +236,16 @@ class Fitting:
 
 
 def _of_likelihood(mode: Mode) -> Estimates:
-    """Return the maximum of the likelihood, without intervals."""
+    """Return the maximum-likelihood estimates, without intervals."""
     open_ends = np.full((len(mode.theta), 2), np.nan)
     return Estimates(_with_width(mode.theta), open_ends, open_ends, np.full(len(open_ends), "likelihood", dtype=object))
 
 
 def _has_ends(status: Statuses, shares: Array, has_threshold: Bools) -> Bools:
-    """Return which ends (n_sets, 2) an interval has.
+    """Return True for each end (n_sets, 2) of an interval that is known.
 
-    Without a threshold an end is open unless the answers exclude a threshold beyond the levels on its side. They
-    always do for `ok`.
+    Without a threshold, an end is unknown unless the answers exclude a threshold beyond the levels on this side. Both
+    ends are known for `ok`.
     """
     is_open = ~has_threshold[:, None] & (shares[:, 1:3] > 1 - HELD)
     is_bound = np.isin(status, CENSORED)
@@ -255,7 +254,7 @@ def _has_ends(status: Statuses, shares: Array, has_threshold: Bools) -> Bools:
 
 
 def _known(values: Array, where: Bools) -> list[float | None]:
-    """Return values, with None for unknown ones and missing ends."""
+    """Return a list of values, with None for unknown or infinite ones."""
     is_known = where & np.isfinite(values)
     return [value if known else None for value, known in zip(values.tolist(), is_known, strict=True)]
 
@@ -267,7 +266,7 @@ def is_regular(mode: Mode) -> Bools:
 
 
 def _with_width(theta: Array) -> Array:
-    """Return parameters with the width itself instead of its logarithm."""
+    """Return the parameters with the width in place of its logarithm."""
     theta = theta.copy()
     with np.errstate(over="ignore"):
         theta[:, LOG_WIDTH] = np.exp(theta[:, LOG_WIDTH])

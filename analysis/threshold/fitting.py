@@ -1,10 +1,10 @@
-"""Thresholds from counts of answers: one fit, or thousands in one call.
+"""Fits of thresholds to counts: one fit, or thousands in one call.
 
 Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision Research 122,
-105-123). The status, and the bound of a threshold out of range, are those of the binomial posterior.
+105-123). The status and the bound of an out-of-range threshold come from the binomial posterior.
 """
 
-from __future__ import annotations  # `help` then shows ArrayLike instead of its expansion
+from __future__ import annotations  # lets `help` show ArrayLike instead of its expansion
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,7 +28,7 @@ SHAPE = "normal"
 
 
 class PriorOptions(TypedDict, total=False):
-    """Options of the priors, with the defaults of `Prior`."""
+    """Options of the priors; the defaults are those of `Prior`."""
 
     guess_rate: float | None
     lapse_rate: float | None
@@ -40,7 +40,7 @@ class PriorOptions(TypedDict, total=False):
 
 
 class Options(PriorOptions, total=False):
-    """Options of `fit`, with the defaults of `fitting`."""
+    """Options of `fit`; the defaults are those of `fitting`."""
 
     shape: str
     robust_range: bool
@@ -64,38 +64,41 @@ def fit(
     Parameters
     ----------
     levels, n_correct, n_trials : (n_levels,) array_like
-        Levels in any unit and order, correct (or "yes") answers, trials.
+        Levels in any unit and order, numbers of correct (or "yes") answers, and numbers of trials.
     n_false_alarms, n_catch : int
-        "Yes" answers to catch trials, and number of catch trials. They affect a free guess rate.
+        "Yes" answers to catch trials, and number of catch trials. They inform a free guess rate.
     shape : str
         ``normal`` (the default), ``logistic``, ``gumbel``, ``reversed_gumbel`` or ``weibull`` (positive levels).
     guess_rate, lapse_rate : float or None
-        Lower asymptote (1/m in forced choice) and distance of the upper one from 1; None (the default): free, under
-        the priors Beta(1, `guess_beta`) and Beta(1, `lapse_beta`).
+        Lower asymptote (1/m in forced choice), and distance of the upper asymptote from 1. None (the default) means
+        free, with the priors Beta(1, `guess_beta`) and Beta(1, `lapse_beta`).
     equal_asymptotes : bool
-        Both free rates are equal, under the prior of the lapse rate (psignifit 4's ``equalAsymptote``).
+        Whether both free rates are equal, with the prior of the lapse rate (psignifit 4's ``equalAsymptote``).
     method : str
-        ``posterior`` (the default): the posterior's `estimate` with its central interval. ``likelihood``: maximum
-        likelihood, without intervals; if the likelihood has no maximum, the result of the posterior.
+        ``posterior`` (the default): the `estimate` of the posterior with a central interval. ``likelihood``: maximum
+        likelihood without intervals, or the result of the posterior if the likelihood has no maximum.
     estimate : str
-        ``mode`` (the default; the median where the mode lies outside of its interval or on an edge of the priors, and
-        the middle of a step), ``median`` or ``mean``. In forced choice mean and median lie below the truth.
+        ``mode`` (the default), ``median`` or ``mean``. The median replaces a mode outside its interval or on an edge of
+        the priors. For answers that change in a single step, the mode is the middle of the step. In forced choice, mean
+        and median are biased downwards.
     interval : float
         Coverage of the interval, between 0 and 1.
     scale_free_width : bool
-        Use a prior that is flat in the log width, from a twentieth of the range on, instead of in the width.
+        Whether the prior is flat in the log width (down to a twentieth of the range) rather than in the width.
     narrowest_spacings : float
-        Least width in smallest spacings of the levels; the prior falls to there from twice that.
+        Smallest width, in smallest spacings of the levels. The prior decreases to 0 between twice this width and this
+        width.
     robust_range : bool
-        Base the priors on the levels within Tukey's fences, as an adaptive procedure starts far from its end.
+        Whether the priors are based on the levels within Tukey's fences, as adaptive procedures start far from the
+        threshold.
     overdispersion : bool
-        Fit beta-binomial answers with overdispersion eta under the prior Beta(1, 10).
+        Whether answers are beta-binomial, with overdispersion eta and its prior Beta(1, 10).
 
     Raises
     ------
     InvalidParameter
-        For a value that is not a number, an impossible count (naming the row), an unknown name, or a rate outside
-        [0, 1).
+        For a value that is not a number, an impossible count (the error names the row), an unknown name, or a rate
+        outside [0, 1).
 
     Examples
     --------
@@ -106,7 +109,7 @@ def fit(
     True
     """
     n_dimensions = np.ndim(levels)
-    expect(n_dimensions <= 1, "levels", f"{n_dimensions} dimensions", "one; stacks of data sets go to fit_many")
+    expect(n_dimensions <= 1, "levels", f"{n_dimensions} dimensions", "1; use fit_many for stacks of data sets")
     columns = (np.atleast_1d(np.asarray(values))[None] for values in (levels, n_correct, n_trials))
     return fit_many(*columns, n_false_alarms=[n_false_alarms], n_catch=[n_catch], **options)[0]
 
@@ -120,11 +123,11 @@ def fit_many(
     n_catch: ArrayLike = 0,
     **options: Unpack[Options],
 ) -> tuple[ThresholdFit, ...]:
-    """Fit stacks (n_sets, n_levels) of data sets as `fit` does.
+    """Fit many data sets, stacked as (n_sets, n_levels), as `fit` does.
 
     Arguments broadcast; catch trials have the shape (n_sets,).
 
-    Pad sets of different lengths with levels of 0 trials.
+    Pad data sets of different lengths with levels of 0 trials.
 
     >>> [found.status.value for found in fit_many([1, 2, 3, 4], [[0, 0, 10, 10], [10] * 4], 10,
     ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0)]
@@ -148,7 +151,7 @@ def fitting(
     estimate: str = "mode",
     **prior: Unpack[PriorOptions],
 ) -> Fitting:
-    """Return data sets with their priors, ready for the fits of `fit_many`."""
+    """Return data sets with priors and options for `fit_many`."""
     between("fit", 0, 1, interval=interval)
     one_of("method", method, METHODS)
     one_of("estimate", estimate, ESTIMATES)
@@ -187,17 +190,17 @@ def log_posterior(
     if prior.equal_asymptotes:
         is_free = prior.guess_rate is None and prior.lapse_rate is None and not catch.any()
         stated = f"guess_rate {prior.guess_rate}, lapse_rate {prior.lapse_rate} and {catch.sum():g} catch trials"
-        expected = "None, None and no trial: the one rate is estimated from the answers"
+        expected = "None, None and no catch trials, as equal rates are estimated from the answers alone"
         expect(is_free, "equal_asymptotes", stated, expected)
         prior = replace(prior, guess_beta=prior.lapse_beta)
     return LogPosterior(curve, counts, prior)
 
 
 def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) -> None:
-    """Reject rates out of range, or that leave a function no room to rise."""
+    """Raise for rates that are out of range or leave no room to rise."""
     rates = {"guess_rate": guess_rate, "lapse_rate": lapse_rate}
     below_1(owner, **{name: rate for name, rate in rates.items() if rate is not None})
-    # Free rates sum to 1 only at the ends of their priors. Known rates that sum to 1 leave the function no room.
+    # Known rates that sum to 1 leave no room to rise; free rates reach this only at the ends of their priors.
     highest = [LARGEST_RATE if rate is None else rate for rate in rates.values()]
     leaves_room = sum(highest) <= 1 and (guess_rate or 0) + (lapse_rate or 0) < 1
     expected = f"a sum below 1 (a free rate may reach {LARGEST_RATE:g})"

@@ -3,8 +3,8 @@
 A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess rate. All
 functions compute many data sets at once.
 
-The probabilities are sums of positive parts, so they are computed on the linear scale. Data sets in which a probability
-comes near the smallest float are computed again in log space.
+The probabilities are sums of positive parts, so the linear scale is accurate. Data sets with a probability near the
+smallest float are computed again in log space.
 
 Beta-binomial answers (Schuett et al. 2016): eta in [0, 1) is the overdispersion, nu = 1/eta^2 - 1, and the probability
 of a block is drawn from Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) eta^2).
@@ -24,16 +24,16 @@ from .counts import Counts
 N_PARAMETERS = 4
 THRESHOLD, LOG_WIDTH, LAPSE, GUESS = range(N_PARAMETERS)
 BINOMIAL_BELOW = 1e-4
-"""Below this the beta-binomial differs from the binomial by less than its own rounding."""
+"""Overdispersion below which the beta-binomial equals the binomial up to rounding."""
 SMALLEST_CHANCE = 1e-100
 SMALLEST_LINEAR = 1e-140
-"""A chance whose square is still a float."""
+"""Smallest probability whose square does not underflow."""
 LARGEST_LOG_RATIO = 300.0
 ROOT_TWO_PI = float(np.sqrt(2 * np.pi))
 
 
 def weighted(count: Array, log_chance: Array) -> Array:
-    """Return count * log_chance, and 0 for a count of 0 even at log 0."""
+    """Return count * log_chance, or 0 if the count is 0 (even for log 0)."""
     with np.errstate(invalid="ignore"):
         return np.where(count > 0, count * log_chance, 0.0)
 
@@ -69,12 +69,12 @@ _LINEAR: dict[Shape, Callable[[Array], tuple[Array, Array, Array]]] = {
 
 
 def linear(shape: Shape, z: Array) -> tuple[Array, Array, Array]:
-    """Return S, 1 - S and the density of S at z, all relatively precise."""
+    """Return S, 1 - S and the density of S at z, each precise."""
     return _LINEAR[shape](z)
 
 
 class Slopes(NamedTuple):
-    """Derivatives of a log-likelihood along z, lapse rate and guess rate."""
+    """Derivatives of a log-likelihood in z, lapse rate and guess rate."""
 
     z: Array
     zz: Array
@@ -88,9 +88,9 @@ class Slopes(NamedTuple):
 
 
 def _slopes(first: Array, second: Array, parts: tuple[Array, Array, Array], span: Array, score: Array) -> Slopes:
-    """Return derivatives from those along psi = guess + span * S.
+    """Convert derivatives in psi = guess + span * S by the chain rule.
 
-    `first` is the slope along psi, `second` the negative curvature. `parts` are S, 1 - S and the density of S, `score`
+    `first` is the slope in psi, `second` the negative curvature. `parts` are S, 1 - S and the density of S, `score`
     is the slope of the log density.
     """
     cdf, sf, pdf = parts
@@ -109,7 +109,7 @@ def _slopes(first: Array, second: Array, parts: tuple[Array, Array, Array], span
 
 
 def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> tuple[Array, Slopes]:
-    """Return the log-likelihood of `answers` (n_yes, n_no) at z, and its slopes.
+    """Return the log-likelihood of answers at z, and its derivatives.
 
     z has the shape (..., n_levels); rates broadcast to it.
 
@@ -126,7 +126,7 @@ def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[
         value = n_yes * np.log(yes) + n_no * np.log(no)
         k_yes, k_no = n_yes / yes, n_no / no
         slopes = _slopes(k_yes - k_no, k_yes / yes + k_no / no, (cdf, sf, pdf), span, shape.score(z))
-        lost = ~(np.minimum(yes, no) > SMALLEST_LINEAR).all(axis=-1)  # negated, as a chance may be NaN
+        lost = ~(np.minimum(yes, no) > SMALLEST_LINEAR).all(axis=-1)  # negated, as a probability may be NaN
         if lost.any():
             some = (np.broadcast_to(values, z.shape)[lost] for values in (z, guess, lapse, n_yes, n_no))
             for values, exact in zip((value, *slopes), _by_logarithms(shape, *some), strict=True):
@@ -138,7 +138,7 @@ def _by_logarithms(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Ar
     logarithms, span = (shape.log_cdf(z), shape.log_sf(z), shape.log_pdf(z)), 1 - guess - lapse
     terms = []
     for sign, n, log_chance in zip((1, -1), (n_yes, n_no), log_mixture(*logarithms[:2], guess, lapse), strict=True):
-        # All parts are divided by the chance of the answer, so that its log-likelihood has the slope 1 along psi.
+        # Divide all parts by the probability of the answer: its log-likelihood then has slope 1 in psi.
         cdf, sf, pdf = (_ratio(part, log_chance) for part in logarithms)
         slopes = _slopes(sign * n, n, (cdf, sf, pdf), span, shape.score(z))
         terms.append((weighted(n, log_chance), *slopes))
@@ -146,29 +146,29 @@ def _by_logarithms(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Ar
 
 
 def _ratio(log_part: Array, log_chance: Array) -> Array:
-    """Return exp(log_part - log_chance), which an asymptote of 0 could make infinite."""
-    # If both have vanished their difference is NaN; the part then counts as 0.
+    """Return exp(log_part - log_chance), limited to a finite value."""
+    # If both underflowed, their difference is NaN; the part then counts as 0.
     difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
     return np.asarray(np.exp(np.minimum(difference, LARGEST_LOG_RATIO)))
 
 
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
+    """Return log psi and log(1 - psi) at levels (..., n_levels)."""
     z, _, _ = _z(shape, u, theta)
     return log_mixture(shape.log_cdf(z), shape.log_sf(z), *_rates(theta))
 
 
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return `log_chances` (n_rates, n_curves, n_levels) of curves that axis 0 shares."""
+    """Return `log_chances` of curves that are equal along axis 0."""
     guess, lapse = _rates(theta)
     z, _, _ = _z(shape, u, theta[:1])
     if guess.min() == 0 or lapse.min() == 0:
-        # Without an asymptote a probability may underflow; only its logarithm keeps the digits.
+        # With an asymptote of 0 a probability may underflow, so compute its logarithm directly.
         return log_mixture(shape.log_cdf(z), shape.log_sf(z), guess, lapse)
     span = 1 - guess - lapse
     cdf, sf, _ = linear(shape, z)
     yes, no = span * cdf, span * sf
-    yes += guess  # in place: a grid of starts is large
+    yes += guess  # in place, as the grid is large
     no += lapse
     return np.log(yes, out=yes), np.log(no, out=no)
 
@@ -181,17 +181,17 @@ def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:
 
 
 def saturated_log_likelihood(counts: Counts) -> Array:
-    """Return the largest log-likelihood of any function of the level."""
+    """Return the log-likelihood of a rate for each level."""
     return np.asarray(constant_log_likelihood(counts.n_yes, counts.n_trials).sum(axis=-1))
 
 
 def constant_log_likelihood(k: Array, n: Array) -> Array:
-    """Return the log-likelihood of k in n answers at rate k / n."""
+    """Return the log-likelihood of k of n answers at the rate k / n."""
     return np.asarray(xlogy(k, k) + xlogy(n - k, n - k) - xlogy(n, n))
 
 
 def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
-    """Return z = z50 + (u - m) z_width exp(-v) and its derivatives along m and v."""
+    """Return z = z50 + (u - m) z_width exp(-v) and its derivatives in m and v."""
     with np.errstate(over="ignore"):
         slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH, None])
     z = shape.z50 + (u - theta[..., THRESHOLD, None]) * slope
@@ -216,7 +216,7 @@ def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Arr
     span = 1 - guess - lapse
     k, rest = counts.n_yes, counts.n_trials - counts.n_yes
     nu, a, b = _beta(guess + span * parts[0], lapse + span * parts[1], eta[:, None])
-    # Derivatives along psi of each level, where a rises and b falls.
+    # Derivatives in psi at each level: a increases and b decreases with psi.
     first = nu * (psi(k + a) - psi(a) - psi(rest + b) + psi(b))
     second = -(nu**2) * (_trigamma_rise(a, k) + _trigamma_rise(b, rest))
     slopes = _slopes(first, second, parts, span, shape.score(z))
@@ -224,14 +224,14 @@ def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Arr
 
 
 def _chain(value: Array, by: Slopes, to_m: Array, to_v: Array) -> Expansion:
-    """Sum over levels and convert derivatives along z to threshold and log width."""
+    """Sum over levels; convert derivatives to threshold and log width."""
     with np.errstate(over="ignore", invalid="ignore"):
         zz_v = by.zz * to_v
         z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
         zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
         zl, vl, ll = _sums(by.z_lapse, by.z_lapse * to_v, by.lapse_lapse)
         zg, vg, gg, lg = _sums(by.z_guess, by.z_guess * to_v, by.guess_guess, by.lapse_guess)
-        # z itself bends along v: d2z/dm dv = -dz/dm, and d2z/dv2 = -dz/dv.
+        # z is nonlinear in v: d2z/dm dv = -dz/dm, and d2z/dv2 = -dz/dv.
         mv, vv = (mv - z1) * to_m, vv - zv
         mm, ml, mg = zz * to_m * to_m, zl * to_m, zg * to_m
     rows = ((mm, mv, ml, mg), (mv, vv, vl, vg), (ml, vl, ll, lg), (mg, vg, lg, gg))
@@ -244,7 +244,7 @@ def _sums(*terms: Array) -> list[Array]:
 
 
 def information(shape: Shape, counts: Counts, theta: Array) -> Array:
-    """Return Fisher's information (..., 4, 4) of answers at the levels of `counts`."""
+    """Return the Fisher information (..., 4, 4) of answers at the levels."""
     z, to_m, to_v = _z(shape, counts.u, theta)
     (guess, lapse), parts = _rates(theta), linear(shape, z)
     span = 1 - guess - lapse
@@ -252,12 +252,12 @@ def information(shape: Shape, counts: Counts, theta: Array) -> Array:
     with np.errstate(all="ignore"):
         share = np.where(variance > 0, counts.n_trials / variance, 0.0)
     none = np.zeros_like(z)
-    # It is minus the curvature of answers whose slope is 0, as that of the expected answers is.
+    # Minus the curvature of the expected answers, for which the slope is 0.
     return -_chain(none, _slopes(none, share, parts, span, none), to_m[..., 0], to_v).hessian
 
 
 def log_weight(p: Array, q: Array, k: float, n: float, eta: float) -> Array:
-    """Return the log probability of one order of k yes in n beta-binomial answers.
+    """Return the log probability of one order of beta-binomial answers.
 
     The mean probability is p = 1 - q.
 

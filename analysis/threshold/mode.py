@@ -1,7 +1,7 @@
 """Modes of many posteriors (or likelihoods) at once.
 
 Damped Newton steps with the exact Hessian start from every local maximum of a coarse grid. The damping is scaled by the
-diagonal, and steps are projected on the bounds, where lapse and guess rates often lie.
+diagonal. Steps are projected onto the bounds, as lapse and guess rates often lie on a bound.
 """
 
 from dataclasses import dataclass, replace
@@ -15,36 +15,36 @@ from .start_values import Starts, grid_starts, step_starts
 
 MAX_STEPS = 80
 ROUGH_DECREMENT = 1e-3
-"""Where starts of one set are compared: those that lead to the same summit have come together there."""
+"""Decrement at which the starts of a set are compared; starts that lead to the same maximum agree by then."""
 APART = np.array([0.02, 0.05, 0.01, 0.01])
-"""Threshold and log width in units of the levels' range, and rates, by which two summits differ at least."""
+"""Smallest differences between distinct maxima: threshold and log width in ranges of the levels, and rates."""
 MOST_TO_GAIN = 0.5
-"""What a start may gain in log density from there on."""
+"""Largest gain in log density that a start may still make after the comparison."""
 SMALL_DECREMENT = 1e-13
 ROUNDING = 1e-14
-"""Relative, of a log density: near the top a step up may look like one down."""
+"""Relative rounding error of a log density, which may hide that a step near the maximum goes up."""
 ENDLESS_GAIN, ENDLESS_STEP = 1e-7, 1e-3
-"""A log width that still moves so far for so little gain has no end: separated answers, whose likelihood rises with the
-steepness for ever."""
+"""A log width that moves this far for this little gain has no maximum: the likelihood of separated answers rises with
+steepness without limit."""
 WORTH_LEAVING = 0.6
 EQUAL = 1e-9
 POOR_FIT = 2.0
-"""A deviance above this times its degrees of freedom."""
+"""Ratio of deviance to degrees of freedom above which a fit is poor."""
 STEP_MARGIN = 1.0
-"""How far below the mode in log density a step may be and yet lead above it."""
+"""Log density below the mode from which a start at a step may still end above it."""
 SMALLEST_CURVATURE = 1e-12
 COARSE = (0.0, 0.03, 0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.65)
-"""Overdispersions at which the search begins; `N_GOLDEN` sections by `GOLDEN` narrow the best place of them."""
+"""Overdispersions at which the search begins; `N_GOLDEN` golden sections then refine the best one."""
 GOLDEN = (np.sqrt(5) - 1) / 2
 N_GOLDEN = 16
 
 
 @dataclass(frozen=True)
 class Mode(Rows):
-    """Parameters (n_sets, 4) at the largest log density, and Laplace's covariance.
+    """Parameters (n_sets, 4) at the maximum, and Laplace's covariance.
 
-    The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where
-    threshold or width lie on a bound: there is no mode.
+    The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is False if threshold or
+    width lie on a bound; there is then no mode.
     """
 
     theta: Array
@@ -58,7 +58,10 @@ class Mode(Rows):
 
 
 def find_mode(posterior: LogPosterior, near: Array | None = None) -> Mode:
-    """Climb from a grid or from `near` (n_sets, 4), then from steep starts."""
+    """Find modes, starting from a grid or `near` (n_sets, 4), then steps.
+
+    If a fit is poor, the best nodes of narrow and wide widths are starts too.
+    """
     if near is None:
         summits, _ = grid_starts(posterior)
         mode = _highest(posterior, summits)
@@ -79,7 +82,7 @@ def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
 
 
 def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
-    """Return the highest mode of each set from the starts or `known`."""
+    """Return the highest mode of each set from `starts` and `known`."""
     n_sets = len(posterior)
     starts = _distinct(starts, *_ascend(posterior[starts.sets], starts.theta, ROUGH_DECREMENT))
     sets = starts.sets
@@ -95,7 +98,7 @@ def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None)
 
 
 def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
-    """Keep the highest end of each set, and others that may still exceed it."""
+    """Keep the highest maximum of each set, and possible rivals."""
     order = np.lexsort((-log_density, starts.sets))
     sets, theta, log_density = starts.sets[order], theta[order], log_density[order]
     _, first, inverse = np.unique(sets, return_index=True, return_inverse=True)
@@ -112,11 +115,11 @@ def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMA
 
 
 def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tuple[Array, Array]:
-    """Return the ends of climbs from `start`, and their log densities."""
+    """Return the parameters and log densities reached from `start`."""
     low, high = posterior.prior.bounds()
     theta = posterior.prior.tied(np.clip(start, low, high))
     log_density = np.empty(len(posterior))
-    # Sets that still climb, and some that do not if removing them costs more.
+    # `sets` contains all sets that still climb; finished sets are removed only in large numbers.
     sets, climbing = np.arange(len(posterior)), posterior.by_level()
     at, here, damping = theta.copy(), climbing.expansion(theta), np.full(len(posterior), 1e-3)
     for _ in range(MAX_STEPS):
@@ -129,19 +132,19 @@ def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tu
         damping = np.where(better, np.maximum(damping / 10, 1e-12), damping * 8)
         is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
         small = small_decrement * np.maximum(1.0, np.abs(here.value))
-        going = (decrement > small) & ~is_endless & (damping < 1e15)  # damped beyond, a step is below rounding
+        going = (decrement > small) & ~is_endless & (damping < 1e15)  # with more damping, steps are below rounding
         theta[sets], log_density[sets] = at, here.value
         if not going.any():
             break
         if going.mean() < WORTH_LEAVING:
             sets, at, here, damping = sets[going], at[going], here[going], damping[going]
-            climbing = climbing[going].by_level()  # choosing rows may have laid them out anew
+            climbing = climbing[going].by_level()  # restore the memory layout after indexing
             low, high = climbing.prior.bounds()
     return theta, log_density
 
 
 def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
-    """Return True if fixed, or at a bound beyond which the density rises."""
+    """Return True for parameters that are fixed or kept at a bound."""
     at_low = (theta <= low) & (gradient <= 0)
     at_high = (theta >= high) & (gradient >= 0)
     return np.asarray((low == high) | at_low | at_high)
@@ -155,12 +158,12 @@ def _step(here: Expansion, held: Bools, damping: Array) -> tuple[Array, Array]:
 
 
 def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
-    """Solve n small systems (n, p, p) made positive definite.
+    """Solve n linear systems (n, p, p), made positive definite.
 
-    On the scale of the diagonal each pivot of the square-root-free Cholesky factors is replaced by its size, at least
-    1e-8, plus the damping (n,). The solutions have the shape (n, p).
+    Systems are scaled to a diagonal of 1. Each pivot of the square-root-free Cholesky factorisation is replaced by its
+    absolute value, at least 1e-8, plus the damping (n,). The solutions have the shape (n, p).
 
-    Vectorised over the systems, which LAPACK's eigenvalues are not (Gill, Murray and Wright, Practical
+    The computation is vectorised over systems, unlike LAPACK's eigenvalues (Gill, Murray and Wright, Practical
     Optimization, 1981, section 4.4.2).
 
     >>> convex_solve(np.array([[[4.0, 2.0], [2.0, 2.0]]]), np.array([[2.0, 2.0]]), np.zeros(1)).round(12) + 0
@@ -169,7 +172,7 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
     p = right.shape[1]
     diagonal = np.abs(np.diagonal(matrix, axis1=1, axis2=2))
     scale = np.sqrt(diagonal + SMALLEST_CURVATURE).T
-    # The systems lie along the last axis: each step below is then one of neighbours in memory.
+    # Put the systems on the last axis, so that each step below operates on contiguous memory.
     a = np.ascontiguousarray(np.moveaxis(matrix, 0, 2)) / (scale[:, None] * scale)
     x = [right[:, i] / scale[i] for i in range(p)]
     pivots = []
@@ -187,7 +190,7 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
 
 
 def _without(matrix: Array, held: Bools) -> Array:
-    """Replace rows and columns of held parameters by those of a unit matrix."""
+    """Replace rows and columns of held parameters by the identity."""
     either = held[:, :, None] | held[:, None, :]
     finite = np.where(np.isfinite(matrix), matrix, np.nan)
     return np.where(either, np.eye(N_PARAMETERS), finite)
@@ -196,7 +199,7 @@ def _without(matrix: Array, held: Bools) -> Array:
 def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     here = posterior.expansion(theta)
     low, high = posterior.prior.bounds()
-    # A curvature at a bound is not used, whichever way the density rises there.
+    # Ignore the curvature at a bound, whatever the direction in which the density rises.
     held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
     curvature = _without(-here.hessian, held)
     is_finite = np.isfinite(curvature).all(axis=(1, 2), keepdims=True)
@@ -207,7 +210,7 @@ def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
 
 
 def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
-    """Return the mode over a grid and golden sections of eta, and eta."""
+    """Return the mode and eta, by a grid and golden-section search over eta."""
     nodes, near = np.array(COARSE), find_mode(posterior).theta
 
     def at(eta: Array) -> Mode:
@@ -225,7 +228,7 @@ def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
         to_left = at(left).log_density >= at(right).log_density
         low, high = np.where(to_left, low, left), np.where(to_left, right, high)
     eta = (low + high) / 2
-    # Sections close in on an end but never reach it, and eta = 0 is the binomial itself.
+    # Golden sections never reach eta = 0 (the binomial), so it is compared explicitly.
     is_binomial = at(np.zeros(len(posterior))).log_density >= at(eta).log_density
     eta = np.where(is_binomial, 0.0, eta)
     return at(eta), eta

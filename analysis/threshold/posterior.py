@@ -1,9 +1,9 @@
-"""Posterior distributions of psychometric functions by quadrature in a box that follows the posterior.
+"""Posterior distributions by quadrature in an adaptive box.
 
-Threshold and log width have equidistant nodes, for which the trapezoidal rule converges fastest; the rates have
-Gauss-Legendre nodes. The box starts around the mode. It grows where a face still has density and shrinks where there is
-none. After few trials it reaches far beyond most of the mass: the nodes of the threshold are then equidistant in asinh
-of the distance from the mode.
+Threshold and log width have equidistant nodes, for which the trapezoidal rule converges fastest. The rates have
+Gauss-Legendre nodes. The box starts around the mode. A face with density moves outwards, a face without density moves
+inwards. With few trials the box extends far beyond most of the mass, so the nodes of the threshold are equidistant in
+asinh of the distance from the mode.
 """
 
 from dataclasses import dataclass
@@ -19,28 +19,29 @@ from .log_posterior import LARGEST_ETA, LogPosterior, Prior, log_prior_of
 from .mode import Mode
 
 NEGLIGIBLE = 14.0
-"""A log density this far below the mode's is outside."""
+"""Points with a log density this far below that of the mode lie outside the box."""
 FINAL_NODES = (37, 27)
 RATE_NODES = 10
 RATE_NODES_OF_FEW, FEW_TRIALS = 8, 40
-"""So few trials leave a rate so wide a density that fewer nodes move no end by 1e-5 of the interval."""
+"""With at most `FEW_TRIALS` trials a rate's density is wide, and fewer nodes change no interval end by 1e-5 of its
+width."""
 INTERIOR_RATE_NODES = 12
-"""A rate whose density dies out above 0 needs more nodes than one that begins at 0."""
+"""Number of nodes of a rate whose box does not begin at 0, which needs more nodes."""
 SEARCH_NODES = (13, 11, 5, 5)
 ETA_NODES = 10
 ETA_SEARCH = (0.0, 0.15, 0.35, 0.6)
 SINGLE_TRIALS = 3000
 FEW = 3
-"""Answers of a kind at a level of many: their chances are multiplied before the logarithm is taken."""
+"""Largest count of answers at a level whose probabilities are multiplied before taking the logarithm."""
 FACTORS = 16
 SMALLEST_RATE = 1e-18
-"""A product of `FACTORS` smaller ones is no float."""
+"""Smallest rate for which a product of `FACTORS` probabilities does not underflow."""
 START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
 FINE = 40
-"""Places between two nodes at which the integral of a spline is known."""
+"""Number of points per node at which the integral of a spline is evaluated."""
 DENSE_SD, LEAST_DENSE = 2.0, 1 / 30
-"""Nodes of the threshold are dense within so many standard deviations of the mode, or this part of the box."""
+"""Nodes of the threshold are dense within this many SDs of the mode, at least within this fraction of the box."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +49,10 @@ class Marginals(Rows):
     """Posterior means and quantiles of the parameters.
 
     Means (n_sets, 4) contain the width itself, not its logarithm. `threshold` and `width` (n_sets, 3) are the lower end
-    of the central interval, the median and the upper end; all on the scale of `Counts.u`. `overdispersion` (n_sets,) is
-    the posterior mean of eta, 0 for the binomial. `log_evidence` (n_sets,) is the logarithm of the likelihood's mean
-    over the prior; `beyond` (n_sets, 2) the share of curves whose rise lies below, and above, all levels tested; `low`
-    and `high` (n_sets, 4) are the box of the integral, NaN where data sets shared a grid.
+    of the central interval, the median and the upper end; on the scale of `Counts.u`. `overdispersion` (n_sets,) is
+    the posterior mean of eta, 0 for the binomial. `log_evidence` (n_sets,) is the log of the mean likelihood under the
+    prior. `beyond` (n_sets, 2) contains the posterior shares of curves whose rise lies below, and above, all levels.
+    `low` and `high` (n_sets, 4) are the box of the integral, NaN for shared grids.
     """
 
     mean: Array
@@ -76,7 +77,7 @@ class _Box(Rows):
 
 
 def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
-    """Integrate the posteriors, one grid at a time."""
+    """Integrate the posteriors, with a separate grid for each data set."""
     if not len(posterior):
         return Marginals.empty(0)
     boxes = find_box(posterior, mode)
@@ -93,14 +94,14 @@ def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals
 
 
 def _one_by_one(n_sets: int) -> list[slice]:
-    """Return slices of one data set each."""
+    """Return a slice for each data set."""
     return [slice(i, i + 1) for i in range(n_sets)]
 
 
 def _lenses(boxes: _Box, mode: Mode) -> Array:
     """Return centre, scale, start and stop (n_sets, 4) of threshold nodes.
 
-    The thresholds are centre + scale * sinh(t) at equidistant t from start to stop, the ends of the box.
+    Thresholds are centre + scale * sinh(t), with equidistant t from start to stop (the ends of the box).
     """
     low, high = boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD]
     centre, sd, reach = mode.theta[:, THRESHOLD], mode.sd[:, THRESHOLD], high - low
@@ -109,14 +110,14 @@ def _lenses(boxes: _Box, mode: Mode) -> Array:
 
 
 def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
-    """Return eta's nodes and weights with the prior; 0 for the binomial."""
+    """Return nodes of eta, and weights that include its prior."""
     if posterior.prior.overdispersion is None:
         return np.zeros(1), np.ones(1)
     axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
     tried = np.linspace(0.005, LARGEST_ETA, 100)
     along = np.array([log_density_grid(posterior, axes, eta).item() for eta in tried])
     kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
-    # The other parameters are fixed at their mode here; if they were free, eta would reach somewhat farther.
+    # Extend the range, as it was found with the other parameters fixed at their mode.
     end = min(LARGEST_ETA, 1.3 * float(tried[kept].max(initial=0.005)))
     unit, weights = rate_rule(ETA_NODES)
     nodes = end * unit
@@ -124,7 +125,7 @@ def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
 
 
 def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
-    """Return the smallest box with negligible density outside, to a node."""
+    """Return the smallest box outside which the density is negligible."""
     ends = _Box(*posterior.prior.bounds())
     reach = np.where(mode.sd > 0, START_SD * mode.sd, np.inf)
     low, high = mode.theta - reach, mode.theta + reach
@@ -155,7 +156,7 @@ def _profiles(posterior: LogPosterior, box: _Box) -> list[Array]:
 
 
 def others(place: int) -> tuple[int, ...]:
-    """Return the axes of a grid but one."""
+    """Return all axes of a grid except `place`."""
     return tuple(axis for axis in range(N_PARAMETERS) if axis != place)
 
 
@@ -167,11 +168,11 @@ def _next_box(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box
         start, stop, n_steps = box.low[:, place], box.high[:, place], profile.shape[1] - 1
         size = stop - start
         step = size / n_steps
-        highest = np.maximum(best, profile.max(axis=1))  # coarse nodes may miss the mode
+        highest = np.maximum(best, profile.max(axis=1))  # as coarse nodes may miss the mode
         inside = profile > highest[:, None] - NEGLIGIBLE
         first = inside.argmax(axis=1)
         last = n_steps - inside[:, ::-1].argmax(axis=1)
-        # A face that still has density moves out. Others move in to the first negligible node.
+        # Faces with density move outwards; others move inwards to the first negligible node.
         start_moved = np.where(first == 0, start - 0.6 * size, start + (first - 1) * step)
         stop_moved = np.where(last == n_steps, stop + 0.6 * size, start + (last + 1) * step)
         low[:, place] = np.maximum(start_moved, ends.low[:, place])
@@ -189,7 +190,7 @@ def rate_rule(n: int) -> tuple[Array, Array]:
 def _nodes_in(
     prior: Prior, low: Array, high: Array, n_trials: float, lens: Array | None = None
 ) -> tuple[list[Array], list[Array]]:
-    """Return nodes and weights along each parameter in one data set's box.
+    """Return nodes and weights along each parameter in a box.
 
     The thresholds are equidistant, or transformed by a lens (`_lenses`).
     """
@@ -214,14 +215,14 @@ def _nodes_in(
 
 
 def masses_in(posterior: LogPosterior, low: Array, high: Array) -> tuple[list[Array], Array]:
-    """Return nodes in the box of one data set, and its binomial masses."""
+    """Return nodes in the box of one data set, and posterior masses."""
     axes, weights = _nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
     density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
     return axes, np.exp(density - density.max()) * (weights[LAPSE][:, None] * weights[GUESS])
 
 
 def log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
-    """Return one log density at eta on the product of four axes."""
+    """Return the log density of one data set at eta on the grid of four axes."""
     threshold, log_width, lapse, guess = posterior.prior.along(axes)
     log_prior = (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
     return np.asarray(_log_likelihood_grid(posterior, axes, eta) + log_prior)
@@ -232,7 +233,7 @@ def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float)
     used = counts.n_trials[0] > 0
     k, n = counts.n_yes[0, used], counts.n_trials[0, used]
     lapse, guess = axes[LAPSE][:, None], posterior.prior.guess_nodes(axes[LAPSE], axes[GUESS])
-    z = posterior.z_of(axes)  # the rates follow as two more axes
+    z = posterior.z_of(axes)  # the rates are two further axes
     if eta < BINOMIAL_BELOW and min(guess.min(), lapse.min()) < SMALLEST_RATE:
         log_cdf, log_sf = (log_part(z)[..., None, None] for log_part in (shape.log_cdf, shape.log_sf))
         yes, no = log_mixture(log_cdf, log_sf, guess, lapse)
@@ -242,7 +243,7 @@ def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float)
     cdf, sf, _ = (share[..., None, None] for share in linear(shape, z))
     span = 1 - guess - lapse
     if eta < BINOMIAL_BELOW:
-        # With asymptotes above 0 each probability is a sum of positive parts, safe on the linear scale.
+        # With asymptotes above 0, probabilities are sums of positive parts, so the linear scale is accurate.
         return _log_chances(cdf, guess, span, k) + _log_chances(sf, lapse, span, n - k)
     levels = zip(cdf, sf, k.tolist(), n.tolist(), strict=True)
     weights = (log_weight(guess + span * up, lapse + span * down, n_yes, size, eta) for up, down, n_yes, size in levels)
@@ -252,12 +253,12 @@ def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float)
 def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array:
     """Sum count * log(floor + span * parts) over the levels."""
     few = (count <= FEW) & (len(count) > FACTORS)
-    # Single precision halves the memory of a large grid if the error of the sum stays small.
+    # Single precision halves the memory of a large grid; with few trials the error stays small.
     precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
     many = ~few & (count > 0)
     low, size = floor.astype(precision), span.astype(precision)
     rest = np.zeros((*parts.shape[1:3], *span.shape), dtype=precision)
-    chance = np.empty_like(rest)  # reused for all levels: allocation costs more than the computation
+    chance = np.empty_like(rest)  # reused for all levels, as allocation is slower than the computation
     for n, share in zip(count[many].astype(precision), parts[many].astype(precision), strict=True):
         np.add(low, np.multiply(size, share, out=chance), out=chance)
         rest += np.multiply(n, np.log(chance, out=chance), out=chance)
@@ -289,17 +290,18 @@ def _log_products(parts: Array, floor: Array, span: Array) -> Array:
 def _marginal_densities(
     posterior: LogPosterior, box: _Box, lens: Array, etas: tuple[Array, Array]
 ) -> tuple[Array, Array, Array, float, float, Array]:
-    """Return means, two densities, mean eta, log total and shares beyond."""
+    """Return means, marginal densities, log evidence and shares beyond."""
     prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
     axes, weights = _nodes_in(prior, low, high, posterior.counts.n_trials.sum(), lens)
     densities = np.stack([log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
     densities += axes[LOG_WIDTH][:, None, None]  # the prior is on the width, the nodes on its logarithm
     highest = densities.max()
-    densities -= highest  # likelihoods themselves are too small for floats
+    densities -= highest  # avoids underflow of likelihoods
     masses = np.exp(densities, out=densities)
     masses *= weights[THRESHOLD][:, None, None, None] * (weights[LAPSE][:, None] * weights[GUESS])
     along_eta = etas[1] * masses.sum(axis=(1, 2, 3, 4))
-    mass = sum(weight * at_eta for weight, at_eta in zip(etas[1], masses, strict=True))  # BLAS is slow for one eta
+    # a loop, as BLAS is slow for a single eta
+    mass = sum(weight * at_eta for weight, at_eta in zip(etas[1], masses, strict=True))
     curve, rates = mass.sum(axis=(2, 3)), mass.sum(axis=(0, 1))
     along = [curve.sum(axis=1), curve.sum(axis=0), rates.sum(axis=1), rates.sum(axis=0)]
     nodes = [axes[THRESHOLD], np.exp(axes[LOG_WIDTH]), axes[LAPSE], axes[GUESS]]
@@ -312,12 +314,12 @@ def _marginal_densities(
 
 
 def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array:
-    """Return low, median, high (n_sets, 3) of densities on even nodes."""
+    """Return lower end, median and upper end (n_sets, 3) of densities."""
     shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
     n_nodes = density.shape[1]
     fine, weights = spline_integral(n_nodes)
     integral = density @ weights
-    # A spline may dip below 0 between nodes, but its integral must rise to be inverted.
+    # Make the integral monotone for inversion, as a spline may dip below 0 between nodes.
     cumulated = np.maximum.accumulate(integral, axis=1)
     places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
     above_low = (high - low)[:, None] * places / (n_nodes - 1)
@@ -326,7 +328,7 @@ def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array
 
 @cache
 def spline_integral(n_nodes: int) -> tuple[Array, Array]:
-    """Return places on the nodes 0, 1, ... and weights of integrals up to them.
+    """Return points between nodes, and weights of integrals up to them.
 
     The weights (n_nodes, n_places) are those of a cubic spline without knots at the second and the second to last
     node. The tests compare it with `scipy.interpolate`, which is slow to load.

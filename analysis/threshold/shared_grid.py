@@ -1,10 +1,10 @@
 """Posteriors of many data sets on one shared grid.
 
-Data sets on the same levels share their nodes, so that products of matrices evaluate all of them.
+Data sets with the same levels share their nodes, so that matrix products evaluate all of them.
 
-The grid covers the density of every data set, in steps of `STEP_SD` of a typical standard deviation. A posterior too
-narrow for it has a separate grid (`posterior.marginals`). Compared with four times as many nodes, means and standard
-deviations differ by at most 0.2 % of the standard deviation, ends of intervals by 0.1 % of their width.
+The grid covers the density of every data set, in steps of `STEP_SD` times a typical standard deviation. Posteriors that
+are too narrow have a separate grid (`posterior.marginals`). Compared with grids of four times as many nodes, means and
+standard deviations differ by at most 0.2 % of the standard deviation, ends of intervals by 0.1 % of their width.
 """
 
 from collections.abc import Iterator
@@ -19,28 +19,28 @@ from .mode import Mode
 from .posterior import NEGLIGIBLE, Marginals, marginals, others, quantiles, rate_rule
 
 MOST_FREE = 3
-"""With two free rates a grid for all has so many nodes that separate grids are faster."""
+"""Largest number of free parameters for a shared grid; with two free rates separate grids are faster."""
 WORTH_SHARING = 8
-"""Fewer data sets get separate grids."""
+"""Smallest number of data sets for a shared grid."""
 SEARCH_NODES = (41, 21, 6, 6)
 MODE_SD = 6.0
-"""The grid reaches at least so many standard deviations beyond each mode."""
+"""The grid extends at least this many standard deviations beyond each mode."""
 RATE_NODES = 12
 STEP_SD = 0.5
 TYPICAL = 0.1
-"""The step is that for this quantile of the standard deviations."""
+"""Quantile of the standard deviations that determines the step."""
 FEWEST_NODES, MOST_NODES = 25, (161, 61)
 RESOLVED_STEPS = 1.5
-"""A standard deviation has at least so many steps of the grid."""
+"""Fewest grid steps per standard deviation for a posterior to be resolved."""
 RESOLVED_RATE = 0.02
-"""And that of a rate at least this part of its range."""
+"""Smallest standard deviation of a resolved rate, as a fraction of its range."""
 CHUNK = 4_000_000
-"""Nodes times data sets at once: 16 MB in single precision."""
+"""Largest number of nodes times data sets at once (16 MB in single precision)."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes and log weights along the parameters, and a cell's log volume."""
+    """Nodes and log weights along each parameter, and log cell volume."""
 
     nodes: list[Array]
     log_weights: list[Array]
@@ -52,7 +52,7 @@ class Grid:
 
 
 def batched_marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
-    """Integrate like `posterior.marginals`, on shared grids."""
+    """Integrate like `posterior.marginals`, but on shared grids."""
     all_sets, is_alone = Marginals.empty(len(posterior)), np.ones(len(posterior), dtype=bool)
     if posterior.prior.overdispersion is None and len(posterior.prior.free) <= MOST_FREE:
         for members in posterior.alike():
@@ -65,7 +65,7 @@ def batched_marginals(posterior: LogPosterior, mode: Mode, interval: float) -> M
 
 
 def _marginals_on_grid(posterior: LogPosterior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
-    """Return marginals, and which data sets the grid resolves."""
+    """Return marginals, and True for each data set that the grid resolves."""
     grid, prior = common_grid(posterior, mode), posterior.prior
     along, log_total, beyond = marginal_masses(posterior, grid)
     m, v, lapse, guess = grid.nodes
@@ -83,17 +83,17 @@ def _marginals_on_grid(posterior: LogPosterior, mode: Mode, interval: float) -> 
 def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
     prior = posterior.prior
     low, high = (end[0] for end in prior.bounds())
-    for _ in range(2):  # the first search covers the priors, the second the rest
+    for _ in range(2):  # the first search covers the priors, the second the range found by the first
         axes = prior.search_axes(low, high, SEARCH_NODES)
         low, high = _ends(posterior, mode, Grid(axes, [np.zeros(len(axis)) for axis in axes], 0.0))
     return _final_grid(prior, low, high, _sizes(mode, high - low))
 
 
 def _sizes(mode: Mode, reach: Array) -> list[int]:
-    """Return the numbers of nodes along threshold and log width."""
+    """Return the numbers of nodes for threshold and log width."""
     sizes, sd = [], mode.sd
     for place, most in zip((THRESHOLD, LOG_WIDTH), MOST_NODES, strict=True):
-        known = sd[sd[:, place] > 0, place]  # a mode on a bound has none
+        known = sd[sd[:, place] > 0, place]  # a mode on a bound has no SD
         typical = float(np.quantile(known, TYPICAL)) if len(known) else 1.0
         n_steps = reach[place] / (STEP_SD * typical)
         sizes.append(int(np.clip(n_steps, FEWEST_NODES, most)))
@@ -102,7 +102,7 @@ def _sizes(mode: Mode, reach: Array) -> list[int]:
 
 def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid:
     nodes = [np.linspace(low[place], high[place], n) for place, n in enumerate(sizes)]
-    log_weights = [np.zeros(sizes[0]), nodes[LOG_WIDTH]]  # the density is that of the width itself
+    log_weights = [np.zeros(sizes[0]), nodes[LOG_WIDTH]]  # convert to the density of the width
     for place in (LAPSE, GUESS):
         unit, weight = rate_rule(RATE_NODES) if place in prior.free else (np.zeros(1), np.ones(1))
         nodes.append(low[place] + (high[place] - low[place]) * unit)
@@ -123,12 +123,12 @@ def _tables(posterior: LogPosterior, grid: Grid) -> tuple[Array, Array]:
         m, v, lapse, guess = (log_density + log_weight for log_density, log_weight in along)
     outside = (m[:, None] + v)[..., None, None] + (lapse[:, None] + guess)
     table = np.concatenate([yes.reshape(len(cdf), -1), no.reshape(len(cdf), -1)])
-    # Minus infinity times a count of 0 would be NaN.
+    # avoid NaN from 0 * -inf
     return np.maximum(table, -1e6), np.maximum(outside, -1e9).ravel()
 
 
 def _densities(posterior: LogPosterior, grid: Grid) -> Iterator[tuple[slice, Array]]:
-    """Yield slices of data sets with their log densities (n_sets, n_nodes)."""
+    """Yield a slice of data sets and their log densities (n_sets, n_nodes)."""
     table, outside = _tables(posterior, grid)
     counts = posterior.counts
     used = counts.n_trials[0] > 0
@@ -140,18 +140,18 @@ def _densities(posterior: LogPosterior, grid: Grid) -> Iterator[tuple[slice, Arr
 
 
 def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
-    """Return the ends of the nodes with density, with a margin of one node."""
+    """Return the ends of nodes with density, with a margin of one node."""
     kept = np.zeros(np.prod(grid.sizes), dtype=bool)
     for sets, density in _densities(posterior, grid):
         best = np.maximum(density.max(axis=1), mode.log_density[sets])
         kept |= (density > best[:, None] - NEGLIGIBLE).any(axis=0)
     inside = kept.reshape(grid.sizes)
-    # Coarse nodes may miss a narrow posterior, so use its mode and curvature too.
+    # Also use mode and curvature, as coarse nodes may miss a narrow posterior.
     around = MODE_SD * mode.sd
     low, high = (mode.theta - around).min(axis=0), (mode.theta + around).max(axis=0)
     for place, nodes in enumerate(grid.nodes):
         along = np.flatnonzero(inside.any(axis=others(place)))
-        first, last = 0, -1  # without density on any node the whole axis is kept
+        first, last = 0, -1  # keep the whole axis if no node has density
         if len(along):
             first, last = max(along[0] - 1, 0), min(along[-1] + 1, len(nodes) - 1)
         low[place] = max(min(low[place], nodes[first]), nodes[0])

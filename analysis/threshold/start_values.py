@@ -1,6 +1,6 @@
-"""Start values of the search for a mode.
+"""Start values for the search for a mode.
 
-They are maxima on a coarse grid, and step functions with a density in closed form.
+Start values are maxima on a coarse grid, and step functions, whose density has a closed form.
 
 A density may have several local maxima, such as a shallow function without lapses and steep functions between two
 levels.
@@ -20,19 +20,19 @@ from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate
 N_WIDTHS = 10
 WIDEST_NODE, NARROWEST_NODE = 2.8, 0.03
 BEYOND = np.array([0.6, 0.75, 0.93])
-"""Thresholds outside of the levels."""
+"""Threshold nodes outside the range of the levels (absolute u)."""
 MOST_PLACES = 25
 RATES = {1: (0.003, 0.03, 0.1, 0.25, 0.45), 2: (0.003, 0.05, 0.2, 0.42)}
-"""Nodes of a free rate, by the number of free rates."""
+"""Nodes of each free rate, by the number of free rates."""
 LOW = 25.0
-"""A summit of the coarse grid this far below its highest is none."""
+"""Log density below the highest node, beyond which a local maximum is ignored."""
 CLOSE = 3.0
-"""In log density: the best nodes of two rates may lead to summits of either order."""
+"""Difference in log density within which the best node of another rate may lead to a higher maximum."""
 CHUNK = 2_000_000
 FLOOR = -1e6
 N_STEPS = 3
 STEEP = 0.7
-"""Width of a steep start, in spacings of the levels."""
+"""Width of a steep start, in spacings of levels."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Starts(Rows):
 
 # --- starts on a coarse grid
 def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
-    """Return the grid's local maxima, and the best of each half of widths."""
+    """Return local maxima of a grid, and best narrow and wide nodes."""
     counts, prior = posterior.counts, posterior.prior
     summits, halves = [Starts.none()], [Starts.none()]
     for members in posterior.alike():
@@ -69,7 +69,7 @@ def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
 
 
 def _nodes(prior: Prior, one: Counts) -> Array:
-    """Return nodes (n_rates, n_widths, n_thresholds, 4) for one data set."""
+    """Return the grid (n_rates, n_widths, n_thresholds, 4) of one data set."""
     narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
     has_two_rates = LAPSE in prior.free and GUESS in prior.free
     rates = RATES[2 if has_two_rates else 1]
@@ -77,7 +77,7 @@ def _nodes(prior: Prior, one: Counts) -> Array:
     thresholds = _places(one.u[0, one.n_trials[0] > 0]).tolist()
     lapses = rates if prior.lapse_rate is None else [prior.lapse_rate]
     guesses = rates if GUESS in prior.free else [prior.guess_rate or 0.0]
-    # Rates come first, so that the best of them is found along contiguous memory.
+    # Rates are the first axis, so that the search for the best one uses contiguous memory.
     nodes = np.array(list(product(lapses, guesses, log_widths, thresholds)))[:, [3, 2, 0, 1]]
     return prior.tied(nodes.reshape(-1, len(log_widths), len(thresholds), N_PARAMETERS))
 
@@ -97,7 +97,7 @@ def _answers(counts: Counts) -> Array:
 
 
 def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
-    """Return local maxima of densities, and the best nodes of both halves."""
+    """Return the local maxima, and the best nodes of narrow and wide widths."""
     ridge = density.max(axis=1)
     high = ridge >= ridge.max(axis=(1, 2), keepdims=True) - LOW
     summits = _at_best_rate(sets, density, nodes, *np.nonzero(_is_top(ridge) & high))
@@ -115,7 +115,7 @@ def _at_best_rate(sets: Indices, density: Array, nodes: Array, row: Indices, wid
 
 
 def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
-    """Return the best node at each other rate if it is about as good."""
+    """Return the best node of each other rate, if within `CLOSE`."""
     n_rates = density.shape[1]
     by_rate = density.reshape(len(sets), n_rates, -1)
     node = by_rate.argmax(axis=2)
@@ -126,11 +126,11 @@ def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
 
 
 def _is_top(ridge: Array) -> Bools:
-    """Return True for local maxima, and the first of equal neighbours."""
+    """Return True for local maxima; of equal neighbours only the first counts."""
     _, a, b = ridge.shape
     padded = np.pad(ridge, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
     top = np.ones(ridge.shape, dtype=bool)
-    for i, j in ((0, 1), (1, -1), (1, 0), (1, 1)):  # each with the opposite direction
+    for i, j in ((0, 1), (1, -1), (1, 0), (1, 1)):  # each direction is tested together with its opposite
         ahead = padded[:, 1 + i : a + 1 + i, 1 + j : b + 1 + j]
         behind = padded[:, 1 - i : a + 1 - i, 1 - j : b + 1 - j]
         top &= (ridge >= ahead) & (ridge > behind)
@@ -139,7 +139,7 @@ def _is_top(ridge: Array) -> Bools:
 
 # --- starts by steps
 def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
-    """Return the densest steps with a log density of `at_least` (n_sets,)."""
+    """Return the best steps with a log density of `at_least` (n_sets,)."""
     steps = (_steps_between(posterior), _steps_at(posterior))
     density, theta = (np.concatenate(both, axis=1) for both in zip(*steps, strict=True))
     best = np.argsort(-density, axis=1)[:, :N_STEPS]
@@ -149,7 +149,7 @@ def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
 
 
 def _spacings(counts: Counts) -> Array:
-    """Return spacings of neighbouring levels, infinite for unused levels."""
+    """Return the spacings of neighbouring levels, infinite if unused."""
     used = counts.n_trials > 0
     return np.where(used[:, 1:] & used[:, :-1], np.diff(counts.u, axis=1), np.inf)
 
@@ -160,7 +160,7 @@ def _steep_width(counts: Counts, spacing: Array) -> Array:
 
 
 def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Return log densities and parameters of steps between two levels."""
+    """Return the log densities and parameters of steps between two levels."""
     u, spacing = posterior.counts.u, _spacings(posterior.counts)
     cut = np.arange(1, u.shape[1])
     density, lapse, guess = _asymptotes(posterior, cut, cut)
@@ -170,7 +170,7 @@ def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Return them of steps at a level, which may have any rate."""
+    """Return log densities and parameters of steps at a level."""
     shape, counts = posterior.shape, posterior.counts
     u, k, n = counts.u, counts.n_yes, counts.n_trials
     spacing, outer = _spacings(counts), np.full((len(counts), 1), np.inf)
@@ -179,7 +179,7 @@ def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
     at = np.arange(u.shape[1])
     density, lapse, guess = _asymptotes(posterior, at, at + 1)
     rate = np.divide(k, n, out=np.full_like(k, 0.5), where=n > 0)
-    # A rate equal to an asymptote would put the threshold at infinity.
+    # Clip the rate, as a rate equal to an asymptote means an infinite threshold.
     span = np.maximum(1 - guess - lapse, 1e-9)
     share = np.clip((rate - guess) / span, 0.03, 0.97)
     shift = (shape.at(np.log(share), np.log1p(-share)) - shape.z50) / shape.z_width
@@ -189,10 +189,10 @@ def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
-    """Return log density, lapse and guess rate of steps with no rate between."""
+    """Return log density, lapse and guess rate of steps."""
     counts, prior = posterior.counts, posterior.prior
     none = np.zeros((len(counts), 1))
-    # Entry i has the answers and trials of all levels before level i.
+    # Entry i sums the answers and trials of all levels before level i.
     k, n = (np.hstack([none, np.cumsum(count, axis=1)]) for count in (counts.n_yes, counts.n_trials))
     alarms, catch = prior.n_false_alarms[:, None], prior.n_catch[:, None]
     k_low, n_low = k[:, below], n[:, below]

@@ -1,4 +1,4 @@
-"""Posterior modes of very many tracks, for simulations, equal to those of `fit`."""
+"""Fast posterior modes of many tracks, equal to those of `fit`."""
 
 from dataclasses import dataclass
 
@@ -16,12 +16,12 @@ from .likelihood import LOG_WIDTH, THRESHOLD
 from .mode import find_mode
 
 MOST_SHARED = 64
-"""Levels that tracks share and are counted at; QUEST places its levels anywhere."""
+"""Largest number of levels for which tracks are counted on common levels; QUEST uses arbitrary levels."""
 
 
 @dataclass(frozen=True)
 class TrackModes(Rows):
-    """Threshold with standard error and width of each track (n_sets,).
+    """Threshold, standard error and width of each track, shape (n_sets,).
 
     `regular` is True if the curvature is well conditioned.
     """
@@ -48,12 +48,12 @@ def fit_modes(
     levels, answers : (n_sets, n_trials) array
         The level of each trial and its answer, 1 or 0. Trials with the level NaN are ignored.
     shape, guess_rate, lapse_rate, scale_free_width
-        As for `tactometry.analysis.threshold.fitting.fit`. The shape must be on levels, not on their logarithms.
+        As for `tactometry.analysis.threshold.fitting.fit`. The shape must use levels, not their logarithms.
 
     Raises
     ------
     InvalidParameter
-        If rates are none, arrays do not match, or an answer is neither 1 nor 0.
+        If a rate is out of range, arrays do not match, or an answer is neither 1 nor 0.
 
     >>> x = np.tile([10.0, 14.0, 18.0, 22.0, 26.0], (1, 8))
     >>> found = fit_modes(x, x > [[16.0] * 20 + [20.0] * 20], shape="normal", guess_rate=0.0, lapse_rate=0.02)
@@ -62,8 +62,8 @@ def fit_modes(
     """
     x, y = np.asarray(levels, dtype=np.float64), np.asarray(answers, dtype=np.float64)
     shapes = f"shapes {x.shape}, {y.shape}"
-    expect(x.ndim == 2 and x.shape == y.shape, "fit_modes", shapes, "(n_sets, n_trials) of both")
-    expect(not shape_named(shape).on_log_levels, "fit_modes.shape", shape, "a shape on levels")
+    expect(x.ndim == 2 and x.shape == y.shape, "fit_modes", shapes, "two arrays of shape (n_sets, n_trials)")
+    expect(not shape_named(shape).on_log_levels, "fit_modes.shape", shape, "a shape that uses levels, not logarithms")
     used = ~np.isnan(x)
     expect(np.isin(y[used], (0, 1)).all(), "fit_modes.answers", "another value", "1 or 0")
     shared = np.unique(x[used])
@@ -79,7 +79,7 @@ def fit_modes(
 
 
 def _pooled(shared: Array, x: Array, y: Array, used: Bools) -> tuple[Array, Array, Array]:
-    """Return levels (1, n_levels) and counts (n_sets, n_levels) of answers."""
+    """Count answers at common levels."""
     shape = (len(x), len(shared))
     cells = (np.arange(len(x))[:, None] * shape[1] + np.searchsorted(shared, x))[used]
     return shared[None], totals(cells, y[used], shape), totals(cells, np.ones(len(cells)), shape)

@@ -64,7 +64,7 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
 
     name = "constant_stimuli"
     transition = Transition(_level, _ending)
-    unreplayed = "no rule: the levels of constant stimuli do not depend on the answers"
+    unreplayed = "no estimate: the levels of constant stimuli do not depend on the answers"
 
     def __post_init__(self) -> None:
         numbers("ConstantStimuli.levels", self.levels)

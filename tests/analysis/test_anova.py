@@ -81,7 +81,7 @@ def test_effect_has_no_f_when_error_is_zero(recwarn) -> None:
     found = repeated_measures(table, dependent="y", within=WITHIN, subject="subject")
     assert found["F"].notna().tolist() == [False, True, False]
     assert found.attrs["notes"] == [
-        f"{name}: found the same differences in all participants: the error is 0 and F is undefined"
+        f"{name}: found the same differences in all participants, so the error is 0 and F is undefined"
         for name in ("force", "force * freq")
     ]
     assert found["np2"].isna().tolist() == [True, False, True]
@@ -114,7 +114,7 @@ def test_fewer_participants_than_contrasts_are_explained(published) -> None:
     notes = repeated_measures(few, dependent="y", within=WITHIN, subject="subject").attrs["notes"]
     assert notes == [
         "force * freq: the error matrix is singular (6 contrasts need at least 7 complete participants, found 4), so "
-        "Mauchly's test and multivariate tests do not exist; the corrected F and the permutation test are not affected"
+        "Mauchly's test and multivariate tests are undefined. The corrected F and the permutation test are not affected"
     ]
 
 
@@ -134,15 +134,11 @@ SUBJECTS = np.arange(8.0)[:, None]
 CONDITIONS = np.arange(12.0)
 
 
-NOT_FINITE = (
-    "(subject = P1, force = {}, freq = {}), expected a finite number; leave the participant or the condition out"
-)
-ALL_ALIKE = (
-    "y: found the same differences in all participants, expected some to differ: the error is 0 and F is undefined"
-)
-NO_HOLE = "expected one in every cell; leave the participant or the condition out, or fit a mixed model"
+NOT_FINITE = "(subject = P1, force = {}, freq = {}), expected a finite number; remove the participant or the condition"
+ALL_ALIKE = "y: found the same differences in all participants, expected some error, without which F is undefined"
+NO_HOLE = "expected one in every cell; remove the participant or the condition, or fit a mixed model"
 FEW = "expected at least 3 to compare"
-NO_NAME = "found nothing, expected the name of a participant or a condition; leave the row out"
+NO_NAME = "found nothing, expected the name of a participant or a condition; remove the row"
 
 
 @pytest.mark.parametrize(
@@ -152,19 +148,20 @@ NO_NAME = "found nothing, expected the name of a participant or a condition; lea
         (lambda t: t.assign(y=-3e9), "y: found the same value everywhere, expected values that differ", "constant"),
         (
             lambda t: t.assign(y=np.repeat(np.arange(8.0), 12)),
-            "y: found no difference between the conditions of any participant, expected some: F is undefined",
+            "y: found no difference between the conditions of any participant, expected differences, without which F "
+            "is undefined",
             "no_variance_within",
         ),
         (lambda t: t.assign(y=(SUBJECTS + CONDITIONS**2).ravel()), ALL_ALIKE, "zero_error"),
         (lambda t: t.assign(y=(0 * SUBJECTS + CONDITIONS**2).ravel()), ALL_ALIKE, "zero_error"),
         (
             lambda t: t.drop(index=17),
-            f"y: found no value for subject = P2, force = 1.0, freq = 120 (1 missing cell, of P2), {NO_HOLE}",
+            f"y: found no value for subject = P2, force = 1.0, freq = 120 (1 missing cell: P2), {NO_HOLE}",
             "missing_cell",
         ),
         (
             lambda t: t.query("not (subject == 'P3' and freq == 480)"),
-            f"y: found no value for subject = P3, force = 0.5, freq = 480 (3 missing cells, of P3), {NO_HOLE}",
+            f"y: found no value for subject = P3, force = 0.5, freq = 480 (3 missing cells: P3), {NO_HOLE}",
             "missing_cell",
         ),
         (lambda t: t[t["subject"] == "P1"], f"subject: found 1 participant, {FEW}", "too_few_participants"),
@@ -182,7 +179,7 @@ NO_NAME = "found nothing, expected the name of a participant or a condition; lea
         (lambda t: t.assign(freq=t["freq"].where(t.index != 7)), f"freq, row 7: {NO_NAME}", "no_name"),
         (
             lambda t: t.assign(freq=[[x] for x in t["freq"]]),
-            "freq: found values without an order (list), expected numbers or text",
+            "freq: found values that cannot be sorted (list), expected numbers or text",
             None,
         ),
         (

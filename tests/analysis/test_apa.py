@@ -73,7 +73,7 @@ NO_ALPHA = {"frequency_hz": 60.0, "dimension": "PQ", "alpha": None, "note": "few
         ("simple", F_TEST | {"hz": 60, "p_corr": 0.009, "note": ""}, ["hz"],
          "hz 60: a * b, F(2, 14) = 8.10, p = .009 (Holm), partial eta squared = .536"),
         ("permutation", F_TEST | {"p_permutation": 0.25, "n_permutations": 512}, [],
-         "a * b: permutation test of 512 changes of signs, F = 8.10, p = .250"),
+         "a * b: permutation test with 512 sign changes, F = 8.10, p = .250"),
         ("pairs", WELCH, ["dB"],
          "right − left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6, "
          "moderate evidence for a difference"),
@@ -97,7 +97,7 @@ def test_equivalence_sentences_deny_unmet_claims() -> None:
 def test_pair_sentence_reports_differences_without_error() -> None:
     values = np.arange(4.0)[:, None] + np.array([0.0, 2.0])
     (told,) = table_sentences("pairs", pairs(long_table(values), factor="force", **ARGUMENTS))
-    assert told == "1 − 0: 2.00 in every participant: no test, as there is no error"
+    assert told == "1 − 0: 2.00 in every participant: not tested, as the error is 0"
 
 
 # --- assumptions

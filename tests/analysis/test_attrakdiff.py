@@ -216,7 +216,7 @@ def test_missing_scores_are_counted() -> None:
 def test_alpha_has_note_when_undefined() -> None:
     few = consistency(item_scores(one_person(5)))
     assert few["alpha"].isna().all()
-    assert set(few["note"]) == {"fewer than two items or three participants who answered them all"}
+    assert set(few["note"]) == {"fewer than two items, or fewer than three participants who answered all items"}
     alike = pd.concat([one_person(5).assign(participant=f"P{n}") for n in range(4)])
     assert set(consistency(item_scores(alike))["note"]) == {"participants do not differ in this score"}
 
@@ -319,4 +319,4 @@ def test_form_answered_twice_has_note_on_averaging(tmp_path: Path, capsys: pytes
     (tmp_path / "study.toml").write_text(text + '\n[inquiries.before]\nform = "mine"\nafter = "start"\n')
     call(capsys, "simulate", tmp_path / "study.toml", "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
     _, _, said = call(capsys, "analyse", tmp_path / "d")
-    assert "3 of 3 scores: each is a mean of answers that were given at several times" in said
+    assert "3 of 3 scores: each averages answers given at several times" in said

@@ -198,7 +198,7 @@ def test_unanswerable_designs_are_rejected() -> None:
     bound = table.assign(y=table["y"].where(~first | (table["subject"] == 3)), high=table["high"].where(~first, 9.0))
     refused(
         bound,
-        "force = 0: found 1 known value, expected at least 2 besides bounds; leave the condition out",
+        "force = 0: found 1 known value, expected at least 2 in addition to bounds; remove this condition",
         DesignStatus.TOO_FEW_KNOWN,
     )
     refused(table[table["subject"] < 2], "subject: found 2 participants", DesignStatus.TOO_FEW_PARTICIPANTS)

@@ -42,7 +42,7 @@ def test_unanswered_questionnaire_has_warning(tmp_path, capsys) -> None:
     of = f"{len(people)} participants" if len(people) > 1 else "1 participant"
     assert status == 0
     found = json.loads(out)
-    assert f"NASA Task Load Index (raw): of {of} none answered, so there is no score" in found["warnings"]
+    assert f"NASA Task Load Index (raw): none of {of} answered, so there is no score" in found["warnings"]
     assert set(found["questionnaires"]) == {"realism-likert"}
 
 
@@ -106,11 +106,11 @@ def test_preference_items_have_unit_of_their_factor() -> None:
 def test_methods_describe_rule_estimate(whole) -> None:
     told = analysis_of(RECORDED / "electrovibration-threshold").methods
     assert (
-        "levels (mean of the reversals without the first two or three, in even number) is reported next to the fit"
+        "levels (mean of an even number of reversals, without the first two or three) is reported next to the fit"
         in told
     )
     assert "posterior mean)" not in told
-    assert "rule that chose the levels" not in analysis_of(whole).methods
+    assert "procedure that chose the levels" not in analysis_of(whole).methods
 
 
 # --- rates

@@ -110,7 +110,7 @@ def test_worths_and_order_are_recovered_within_their_errors(n_participants) -> N
 @pytest.mark.parametrize("people", [None, list("ppqqrrssttuu")])
 def test_worths_are_disconnected_when_first_always_wins(people) -> None:
     found = bradley_terry(["a", "b"] * 6, ["b", "a"] * 6, [1] * 12, people)
-    assert set(found["note"]) == {"which of a pair came first decided what was preferred: no finite worths"}
+    assert set(found["note"]) == {"no finite worths: the order within a pair determined every preference"}
     assert found["worth"].isna().all()
 
 
@@ -148,7 +148,7 @@ def test_preference_table_drops_constant_factor() -> None:
 
 def test_worths_have_note_when_item_never_wins() -> None:
     found = bradley_terry(["a", "a", "b", "b"], ["b", "c", "c", "a"], [1, 1, 1, 1])
-    assert set(found["note"]) == {"c never preferred to a, b: no finite worths"}
+    assert set(found["note"]) == {"no finite worths: c never preferred to a, b"}
     assert found["worth"].isna().all()
     assert found["n_preferred"].tolist() == pytest.approx([2, 2, 0, np.nan], nan_ok=True)
 
@@ -193,7 +193,7 @@ def test_both_are_analysed_and_reported(tmp_path) -> None:
     for text in ("<h2>Preferences</h2>", "<h2>Same or different</h2>", "Bradley-Terry", "differencing"):
         assert text in page
     assert summary(found)["preference"][0]["item"] == "P0"
-    assert "How often each was preferred, of the pairs with it, all participants together" in page
+    assert "Share of its pairs in which each item was preferred, pooled over participants" in page
     assert found.tables["preference_shares"]["item"].tolist() == [*TRUTH]
 
 

@@ -176,9 +176,12 @@ def test_table_with_decimal_commas_is_read(tmp_path) -> None:
             "found no column 'cnd', which the column map names in keep; did you mean 'cond'?",
         ),
         ({"keep": {"cond": ("mid", "x")}}, "found no row with cond = mid or x, expected trials (keep)"),
-        ({"values": {"respons": {"y": 1}}}, "found no column 'respons', whose values the column map names"),
-        ({"from_name": {"participant": "p"}}, "found no p-... in the file's name, expected it for 'participant'"),
-        ({"from_name": {"participant": "sub"}}, "found no sub-... in the file's name, expected it for 'participant'"),
+        ({"values": {"respons": {"y": 1}}}, "found no column 'respons', whose values the column map translates"),
+        ({"from_name": {"participant": "p"}}, "found no p-... in the file name, expected the value of 'participant'"),
+        (
+            {"from_name": {"participant": "sub"}},
+            "found no sub-... in the file name, expected the value of 'participant'",
+        ),
     ],
 )
 def test_unsuitable_column_map_is_rejected(tmp_path, change, message) -> None:

@@ -151,7 +151,7 @@ def test_exclusion_rule_names_its_missing_column(some) -> None:
     from dataclasses import replace
 
     without = replace(some, rows=some.rows.drop(columns="latency_s"))
-    with pytest.raises(InvalidParameter, match="latency_max_s: found no column 'latency_s', which this rule needs"):
+    with pytest.raises(InvalidParameter, match="latency_max_s: found no column 'latency_s', which this rule requires"):
         exclude(without, Exclusion(latency_max_s=3.0), quality(without))
     assert isinstance(exclude(without, Exclusion(), quality(without))[1], pd.DataFrame)
 

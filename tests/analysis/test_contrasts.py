@@ -146,7 +146,7 @@ def test_singular_note_distinguishes_few_participants_from_dependent_contrasts()
     values = drawn((8, 3), rng)
     values[:, 2] = 2 * values[:, 0] - values[:, 1]
     (told,) = analysed(values).attrs["notes"]
-    assert "(its 2 contrasts are exactly dependent in these 8 participants)" in told
+    assert "(its 2 contrasts are linearly dependent in these 8 participants)" in told
 
 
 @pytest.fixture

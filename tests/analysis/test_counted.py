@@ -58,5 +58,5 @@ def test_reason_names_factor_that_differs_between_participants(tmp_path, capsys)
     (tmp_path / "map.toml").write_text(MAP)
     files = (tmp_path / "settings.csv", "--columns", tmp_path / "map.toml")
     said = " ".join(output(capsys, "analyse", *files, "--within", "A").split())
-    assert "--within A: it differs between participants, each of whom has one of its levels" in said
-    assert "between-groups analysis of variance (by the rule: every participant has a value, and A differs b" in said
+    assert "--within A: each participant has only one level of this factor" in said
+    assert "between-groups analysis of variance (by default: every participant has a value, and A differs b" in said

@@ -151,7 +151,7 @@ def test_exponent_is_missing_with_too_few_levels(tmp_path) -> None:
     one = [row for row in numbers("V") if row[2] == 10 ** (6 / 20)]
     table = analyse(written(tmp_path / "one.csv", one)).tables["magnitude"]
     assert table["exponent"].isna().all()
-    assert set(table["note"]) == {"fewer than two levels with a number above 0: no exponent"}
+    assert set(table["note"]) == {"no exponent: fewer than two levels with a number above 0"}
     two = [row for row in numbers("V") if row[2] < 4]
     table = analyse(written(tmp_path / "two.csv", two)).tables["magnitude"]
     assert table["exponent"].notna().all()
@@ -188,15 +188,15 @@ def test_zero_magnitudes_are_reported_without_exponent(tmp_path) -> None:
 def test_missing_condition_is_first_warning(tmp_path) -> None:
     rows = [row for row in numbers("V", noise=0.1) if row[:2] != ("P1", 1.0)]
     found = analyse(written(tmp_path / "t.csv", rows))
-    assert found.warnings[0] == "1 of 12 cells of magnitude without a valid trial (P1 1 N)"
+    assert found.warnings[0] == "1 of 12 cells of magnitude have no valid trial (P1 1 N)"
 
 
 def test_measurements_alone_are_rejected(tmp_path) -> None:
     table = written(tmp_path / "m.csv", [("P1", 0.5, 10, "dB re 1 um", "measurement", "", 1)])
-    with pytest.raises(InvalidFile, match="no valid answer of a task"):
+    with pytest.raises(InvalidFile, match="no valid answer to a task"):
         analyse(table)
     table.write_text(table.read_text().replace("measurement,,", "measurement,7,"))
-    with pytest.raises(InvalidFile, match="no valid answer of a task"):
+    with pytest.raises(InvalidFile, match="no valid answer to a task"):
         analyse(table)
 
 
@@ -220,4 +220,4 @@ def test_long_folded_table_refers_to_csv(tmp_path, capsys, monkeypatch) -> None:
     table = tmp_path / "trials.csv"
     table.write_text("\n".join(["participant,level,level_unit,task,catch,response,standard_level", *rows]), "utf-8")
     text = output(capsys, "analyse", table, "--within", "")
-    assert "same or different (d′ by either rule): too wide for 80 columns" in text
+    assert "same or different (d′ under both rules): too wide for 80 columns" in text

@@ -44,9 +44,9 @@ def test_threshold_is_right_for_each_case(capsys, tmp_path, case):
 @pytest.mark.parametrize(
     ("case", "message"),
     [
-        ("open_quotation_mark", "t.csv, row 22: found a quotation mark that opens a cell"),
-        ("unmapped_counts", "for counts name n_positive and n_trials in [columns] of the map"),
-        ("key_not_in_name", 'a star marks the place of the code: "P*" in P01.csv, "_subject_*_" in x_subject_1_y.csv'),
+        ("open_quotation_mark", "t.csv, row 22: found a quoted cell that extends over several rows"),
+        ("unmapped_counts", "and n_positive and n_trials if the table contains counts"),
+        ("key_not_in_name", 'A star stands for the value: "P*" in P01.csv, "_subject_*_" in x_subject_1_y.csv'),
         ("one_line", "found one line of 724 cells, expected a line for each row"),
         ("workbook", "found an Excel workbook; save its sheet as CSV"),
     ],
@@ -60,8 +60,8 @@ def test_refusal_names_the_fault_of_each_case(capsys, tmp_path, case, message):
     ("case", "text"),
     [
         ("leading_zeros", "leading zeros: 01 and 1, 02 and 2, 03 and 3, 04 and 4; each was"),
-        ("missing_latency", "found no column 'key_resp.rt' in 3.csv: latency_s is empty there"),
-        ("row_numbers_of_r", "t.csv: the first column has no name and counts the rows"),
+        ("missing_latency", "found no column 'key_resp.rt' in 3.csv, so latency_s is empty there"),
+        ("row_numbers_of_r", "t.csv: the first column has no name and contains row numbers"),
         ("column_twice", "t.csv: the column 'note' appears 2 times and was not read"),
     ],
 )
@@ -74,7 +74,7 @@ def test_alternatives_are_counted_in_each_condition(capsys, tmp_path):
     group = {row["n_afc"]: row["text"] for row in found["outcomes"][0]["group"]}
     assert group == {2: "3.21 [2.79, 3.63] (n = 6)", 4: "3.34 [3.17, 3.52] (n = 6)"}
     assert found["outcomes"][0]["anova"][0]["F"] == pytest.approx(0.87, abs=0.005)
-    assert "(2: 2; 4: 4)" in warning(found, "different numbers of alternatives")
+    assert "(2: 2; 4: 4)" in warning(found, "differ in the number of alternatives")
 
 
 def test_alternatives_must_agree_within_a_condition(capsys, tmp_path):
@@ -154,7 +154,7 @@ TRIALS = [f"{code},{level},{'y' if level > 2 else 'n'}" for code in ("S1", "S2")
 def test_participants_without_an_answer_are_named(capsys, tmp_path):
     table = written(tmp_path, ["participant,level,response", *TRIALS, "S3,1,", "S3,2,"], MAP)
     found = analysed(capsys, table)
-    assert warning(found, "no valid answer") == "no valid answer, and therefore no result, of S3"
+    assert warning(found, "no valid answers") == "no valid answers, and therefore no results, of S3"
     assert warning(found, "without an answer").startswith(
         "2 rows without an answer were left out (the first: t.csv, row 8)"
     )
@@ -169,7 +169,7 @@ def test_choices_without_a_right_answer_are_counted(capsys, tmp_path):
 def test_choices_need_correct_or_target(capsys, tmp_path):
     table = written(tmp_path, ["participant,level,response", "S1,1,1"], '[constants]\ntask = "forced_choice"\n')
     said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
-    assert said.endswith("a forced choice needs a column 'correct' or 'target'")
+    assert said.endswith("forced choices need a column 'correct' or 'target'")
 
 
 def test_files_sharing_a_participant_are_named(capsys, tmp_path):
@@ -211,7 +211,7 @@ def test_trials_and_counts_have_same_threshold(capsys, tmp_path, n_alternatives)
 def test_correct_alone_is_refused_without_alternatives(capsys, tmp_path):
     table = written(tmp_path, ["participant,level,correct", "S1,1,1"], '[constants]\ntask = "forced_choice"\n')
     said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
-    assert "write n_alternatives = 2 into [constants] of the column map" in said
+    assert "set n_alternatives = 2 in [constants] of the column map" in said
 
 
 @pytest.mark.parametrize(("k", "n"), [(13, 12), (-1, 12), (1.5, 12), ("", 12), (1, "")])
@@ -228,10 +228,10 @@ def test_impossible_counts_are_refused_with_their_row(capsys, tmp_path, k, n):
 @pytest.mark.parametrize(
     ("header", "row", "text"),
     [
-        ("target,correct", "2,1", "30 rows have a value of 'correct' other than 'response' and 'target' say"),
+        ("target,correct", "2,1", "30 rows have a value of 'correct' that contradicts 'response' and 'target'"),
         ("target,n_alternatives", "3,2", "30 rows have a response or target above 'n_alternatives'"),
-        ("target,level_unit", "1,V", "30 rows have a negative level in a unit that is not a logarithm"),
-        ("target,latency_s", "1,-0.2", "30 rows have a negative 'latency_s': the answer came before the question"),
+        ("target,level_unit", "1,V", "30 rows have a negative level in a non-logarithmic unit"),
+        ("target,latency_s", "1,-0.2", "30 rows have a negative 'latency_s' (an answer before the question)"),
     ],
 )
 def test_contradictions_are_warned_of_with_their_rows(capsys, tmp_path, header, row, text):
@@ -249,11 +249,8 @@ def test_survey_answers_of_jspsych_are_ratings(capsys, tmp_path):
     (tmp_path / "t.json").write_text(json.dumps([*trials, survey]))
     (tmp_path / "map.toml").write_text(MAP)
     found = analysed(capsys, tmp_path / "t.json")
-    assert (
-        warning(found, "survey")
-        == "1 row of answers to a survey were read as the task rating (the first: t.json, row 4)"
-    )
-    assert warning(found, "not analysed, rows") == "not analysed, rows of other tasks: 2 (rating)"
+    assert warning(found, "survey") == "1 row of survey answers read as the task rating (the first: t.json, row 4)"
+    assert warning(found, "rows of other tasks") == "rows of other tasks, not analysed: 2 (rating)"
 
 
 # --- Unicode
@@ -293,21 +290,21 @@ def test_reason_names_the_factor_between_participants(capsys):
     found = analysed(capsys, CASES / "between_groups.csv", ADJUSTED, within="A")
     outcome = found["outcomes"][0]
     assert outcome["primary"]["reason"] == (
-        "by the rule: every participant has a value, and A differs between participants"
+        "by default: every participant has a value, and A differs between participants"
     )
     assert outcome["anova"][0]["F"] == pytest.approx(2.33, abs=0.005)
-    assert warning(found, "--within A: it differs between participants")
+    assert warning(found, "--within A: each participant has only one level")
 
 
 def test_group_of_one_has_no_anova(capsys):
     found = analysed(capsys, CASES / "one_in_a_group.csv", ADJUSTED, within="A,group")
-    expected = "no analysis of variance: group = g2: found one participant, expected at least 2 a group"
+    expected = "no analysis of variance: group = g2: found one participant, expected at least 2 in each group"
     assert expected in found["outcomes"][0]["notes"]
 
 
 def test_design_without_complete_participants_names_its_empty_cells(capsys):
     found = analysed(capsys, CASES / "not_one_complete.csv", ADJUSTED, within="A,B")
-    assert warning(found, "without a valid trial").startswith("8 of ")
+    assert warning(found, "have no valid trial").startswith("8 of ")
     assert found["outcomes"][0]["primary"]["analysis"] == "censored_anova"
 
 

@@ -69,9 +69,9 @@ def test_space_bar_keeps_its_meaning_as_a_response(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("lines", "column_map", "text"),
     [
-        (replaced(",a,", ",A,", 4), YES_NO, "side has values that differ only by case or spaces: 'A' and 'a'"),
-        (replaced(",0.5", ",500", 1), YES_NO, "32 rows have a 'latency_s' above a minute; if they are milliseconds"),
-        (choices(False), CHOICE.format(2), "80 rows have answers of participants who are right less often"),
+        (replaced(",a,", ",A,", 4), YES_NO, "side has values that differ only in case or spaces: 'A' and 'a'"),
+        (replaced(",0.5", ",500", 1), YES_NO, "32 rows have a 'latency_s' above a minute; if these are milliseconds"),
+        (choices(False), CHOICE.format(2), "80 rows have answers of participants who score below chance"),
         (
             (HEAD, *ROWS),
             YES_NO + "n_alternatives = 2\n",
@@ -82,7 +82,7 @@ def test_space_bar_keeps_its_meaning_as_a_response(capsys, tmp_path):
             YES_NO + '[keep]\nside = ["a", "b"]\n',
             "8 rows with side = 'A' not kept; expected",
         ),
-        (choices(True), CHOICE.format(3), "80 rows have an 'n_alternatives' above each response and target"),
+        (choices(True), CHOICE.format(3), "80 rows have an 'n_alternatives' above every response and target"),
     ],
 )
 def test_command_warns_of_doubtful_values(capsys, tmp_path, lines, column_map, text):
@@ -100,7 +100,7 @@ def test_command_warns_of_doubtful_values(capsys, tmp_path, lines, column_map, t
 )
 def test_command_does_not_doubt_plausible_values(capsys, tmp_path, lines, column_map):
     found = analysed(capsys, written(tmp_path, lines, column_map))
-    assert not warned(found, "above a minute") + warned(found, "above each response")
+    assert not warned(found, "above a minute") + warned(found, "above every response")
 
 
 @pytest.mark.parametrize("name", ["S1 (1).csv", "copy.tsv.csv"])
@@ -132,13 +132,18 @@ def test_tables_in_subfolders_are_refused_by_folder(capsys, tmp_path):
     ("old", "new", "column_map", "message"),
     [
         (",1,", ",FALSE,", YES_NO, "below [values.response], for example: 'FALSE' = 0"),
-        ("S1,5", "S1,nan", YES_NO, "column 'level': found 'nan', expected a finite number or nothing; say in a"),
+        ("S1,5", "S1,nan", YES_NO, "column 'level': found 'nan', expected a finite number or nothing; mark it as"),
         (",1,", ",yes,", YES_NO, "below [values.response], for example: 'yes' = 1"),
-        (",1,", ",#N/A,", YES_NO, "that it was not measured: missing = ['#N/A']"),
-        (",0.5", ",nan", YES_NO, "column 'latency_s': found 'nan', expected a finite number or nothing; say in a"),
+        (",1,", ",#N/A,", YES_NO, "mark it as missing in a column map (--columns): missing = ['#N/A']"),
+        (",0.5", ",nan", YES_NO, "column 'latency_s': found 'nan', expected a finite number or nothing; mark it as"),
         (",0.5", ",0.5", CHOICE.format(1), "column 'n_alternatives': found '1', expected a whole number from 2"),
-        (",0.5", ",0.5", YES_NO + "level = 3\n[columns]\nlevel='x'\n", "level: found it in columns and constants"),
-        ("S1,", "S1,", YES_NO + '[columns]\nlevel = "LEVEL"\n', "names for 'level'; did you mean 'level'?"),
+        (
+            ",0.5",
+            ",0.5",
+            YES_NO + "level = 3\n[columns]\nlevel='x'\n",
+            "level: found definitions in columns and constants",
+        ),
+        ("S1,", "S1,", YES_NO + '[columns]\nlevel = "LEVEL"\n', "assigns to 'level'; did you mean 'level'?"),
         (",0.5", ",1.500", 'decimal = ","\n' + YES_NO, "column 'latency_s': found '1.500', expected a decimal comma"),
     ],
 )

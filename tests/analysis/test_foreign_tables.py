@@ -46,8 +46,8 @@ def test_psychopy_file_is_read_unchanged():
     assert set(trials.rows["participant"]) == {"7"}
     assert used_rows(trials)["latency_s"].tolist() == pytest.approx([0.5, 0.51, 0.53, 0.54, 0.56, 0.57, 0.59, 0.6])
     assert trials.notes == (
-        "2 rows were left out that hold neither level nor answer nor item, as other programs write for routines (the "
-        "first: psychopy_2026.2.5.csv, row 2)",
+        "2 rows were left out: they have no level, answer or item, like rows that other programs write for routines "
+        "(the first: psychopy_2026.2.5.csv, row 2)",
         "4 rows without an answer were left out (the first: psychopy_2026.2.5.csv, row 5)",
     )
 
@@ -93,7 +93,7 @@ exp.abort()
 def test_unnamed_column_with_content_is_rejected(tmp_path):
     file = tmp_path / "t.csv"
     file.write_text("participant,level,task,response,\nP1,1,yes_no,1,x\n")
-    with pytest.raises(InvalidFile, match="row 1: found no name for column 5, expected one for each"):
+    with pytest.raises(InvalidFile, match="row 1: found no name for column 5, expected a name for each column"):
         read_trials(file, within=["task"])
 
 
@@ -156,13 +156,13 @@ def test_concatenated_json_lists_are_one_table(tmp_path, between):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[{", "found no list of objects in JSON"),
-        ('[{"level": 1}] {}', "found no list of objects"),
-        ('[{"level": 1}] [', "found no list of objects in JSON"),
-        ("[" * 100_000, "found no list of objects in JSON"),
-        ("{}", "found no list of objects in JSON (Expecting a list"),
-        ("[]", "(it is empty), expected one for each trial"),
-        ("[1, 2]", "(item 1 is another)"),
+        ("[{", "found no JSON list of objects"),
+        ('[{"level": 1}] {}', "found no JSON list of objects"),
+        ('[{"level": 1}] [', "found no JSON list of objects"),
+        ("[" * 100_000, "found no JSON list of objects"),
+        ("{}", "found no JSON list of objects (Expecting a list"),
+        ("[]", "(it is empty), expected an object for each trial"),
+        ("[1, 2]", "(item 1 is not an object)"),
         ('[{"level": 1}]', "found no column 'participant'"),
         ('[{"participant": "P1", "task": "yes_no", "level": 1, "response": [1]}]', "row 1, column 'response': found"),
     ],
@@ -208,7 +208,7 @@ def test_a_table_without_a_factor_is_one_condition(tmp_path, capsys):
     file.write_text("\n".join(["participant,level,task,response", *rows]) + "\n")
     status, said, _ = call(capsys, "analyse", file)
     assert status == 2
-    assert said.endswith("name the factors with --within A,B (--within '' where there are none)")
+    assert said.endswith("name the factors with --within A,B (--within '' if there are none)")
     status, _, told = call(capsys, "analyse", file, "--within", "", "--json")
     found = json.loads(told)
     assert status == 0
@@ -229,7 +229,7 @@ def test_note_on_single_row_is_singular(tmp_path):
     file = tmp_path / "t.csv"
     file.write_text("participant,level,task,response\nP1,,yes_no,\nP1,2,yes_no,0\n")
     said = read_trials(file, within=[], column_map=ColumnMap({"level": "level"})).notes[0]
-    assert said.startswith("1 row was left out that holds neither level")
+    assert said.startswith("1 row was left out: it has no level")
 
 
 # --- what words mean
@@ -241,18 +241,18 @@ def test_note_on_single_row_is_singular(tmp_path):
         (
             "yes_no",
             "y",
-            "; say what it means in a column map (--columns), below [values.response], for example: 'y' = 1",
+            "; translate it in a column map (--columns), below [values.response], for example: 'y' = 1",
         ),
         (
             "forced_choice",
             "left",
-            "; say what it means in a column map (--columns), below [values.response], for example: 'left' = 1",
+            "; translate it in a column map (--columns), below [values.response], for example: 'left' = 1",
         ),
-        ("yes_no", "None", "; say in a column map (--columns) that it was not measured: missing = ['None']"),
+        ("yes_no", "None", "; mark it as missing in a column map (--columns): missing = ['None']"),
         (
             "preference",
             "first",
-            "; say what it means in a column map (--columns), below [values.response], for example: 'first' = 1",
+            "; translate it in a column map (--columns), below [values.response], for example: 'first' = 1",
         ),
         ("yes_no", "7", ""),
     ],
@@ -262,7 +262,7 @@ def test_unmapped_answer_error_suggests_a_map_line(tmp_path, capsys, task, word,
     file.write_text(f"participant,side,level,task,response,item,item_b\nP1,a,1,{task},{word},x,y\n")
     status, said, _ = call(capsys, "analyse", file, "--within", "side")
     assert status == 2
-    assert said.endswith(hint or "where the task is yes_no")
+    assert said.endswith(hint or "(task yes_no)")
 
 
 @example("\x7f")  # JSON may hold it as it is, TOML may not
@@ -313,7 +313,7 @@ def test_copied_rows_are_warned_of(tmp_path, capsys):
     assert status == 0
     assert (
         "2 rows repeat earlier trials (the first: t.csv, row 10; 1 of 2 identical in every cell): each "
-        "counts as a separate trial; remove copies, or number trials through the session"
+        "counts as a separate trial. Remove copies, or number trials consecutively in each session"
     ) in json.loads(out)["warnings"]
 
 

@@ -45,7 +45,7 @@ def test_dropped_frames_are_summed_with_warning(data_set) -> None:
     assert quality["frame_interval_max_s"]["P01"] == 0.08
     assert quality["n_dropped_frames"]["P02"] == 0
     assert quality["n_dropped_frames"].isna()["P03"]
-    assert "more than 1 % of the screen's frames dropped: P01 20 of 1020" in found.warnings
+    assert "more than 1 % of screen frames dropped: P01 20 of 1020" in found.warnings
 
 
 def test_quality_is_unchanged_without_events(tmp_path) -> None:
@@ -57,5 +57,7 @@ def test_quality_is_unchanged_without_events(tmp_path) -> None:
 def test_a_damaged_file_of_events_is_refused(data_set) -> None:
     file = next((data_set / "journals").iterdir())
     file.write_text("onset\tduration\n1\t2\n")
-    with pytest.raises(InvalidFile, match=r"_events.tsv: found no events \('trial_type'\), expected the columns"):
+    with pytest.raises(
+        InvalidFile, match=r"_events.tsv: found a damaged file of events \('trial_type'\), expected the columns"
+    ):
         frames(data_set)

@@ -48,7 +48,7 @@ def test_preference_without_items_is_rejected(tmp_path, capsys, missing, report)
     status, said, _ = call(capsys, "analyse", file, *(["--report", tmp_path / "r.html"] if report else []))
     assert status == 2
     assert f"t.csv: found no column {missing[0]!r}" in said
-    assert said.endswith("expected the two items of a preference in item and item_b, the one that came first in item")
+    assert said.endswith("expected the first item of each pair in 'item' and the second in 'item_b'")
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ def test_two_within_factors_have_all_group_interactions() -> None:
     ("sizes", "status", "message"),
     [
         ((4,), DesignStatus.ONE_LEVEL, "hand: found 1 group, expected at least 2 to compare"),
-        ((4, 1), DesignStatus.SMALL_GROUP, "hand = right: found one participant, expected at least 2 a group"),
+        ((4, 1), DesignStatus.SMALL_GROUP, "hand = right: found one participant, expected at least 2 in each group"),
     ],
 )
 def test_refuses_groups_that_cannot_be_compared(sizes, status, message) -> None:
@@ -82,12 +82,14 @@ def test_refuses_groups_that_cannot_be_compared(sizes, status, message) -> None:
 def test_refuses_a_participant_in_two_groups() -> None:
     table = study((3, 3), 3, np.random.default_rng())
     table.loc[1, "hand"] = "right"
-    with pytest.raises(InvalidParameter, match="hand: found 2 groups of the participant 0, expected one; name it as"):
+    with pytest.raises(
+        InvalidParameter, match="found 2 groups of the participant 0, expected one group; declare it as"
+    ):
         analysed(table)
 
 
 def test_a_missing_cell_is_refused_by_name() -> None:
-    with pytest.raises(UndefinedStatistic, match=r"subject = 1, freq = 1 \(1 missing cell, of 1\)"):
+    with pytest.raises(UndefinedStatistic, match=r"subject = 1, freq = 1 \(1 missing cell: 1\)"):
         analysed(study((3, 3), 3, np.random.default_rng()).drop(index=4))
 
 
@@ -125,7 +127,7 @@ def test_groups_without_error_or_members_have_no_test() -> None:
     found = group_pairs(table, dependent="y", between="hand", subject="subject")
     assert (found["status"][0], found["difference"][0]) == ("zero_error", 1.0)
     exact_case("groups without error", against="a status, no test")
-    with pytest.raises(UndefinedStatistic, match="hand = r: found one participant, expected at least 2 a group"):
+    with pytest.raises(UndefinedStatistic, match="hand = r: found one participant, expected at least 2 in each group"):
         group_pairs(table[:3], dependent="y", between="hand", subject="subject")
     with pytest.raises(UndefinedStatistic, match="hand: found 1 group"):
         group_pairs(table[:2], dependent="y", between="hand", subject="subject")

@@ -183,7 +183,7 @@ def test_names_with_spaces_are_names(published) -> None:
         ({}, {"factors": ["freq"], "base": {"freq": 61}}, "base: found freq = 61, expected one of 60, 120, 240, 480"),
         ({"octave": np.inf}, {"covariates": ["octave"]}, "octave, row 0: found inf (y = 30.4, subject = P1), expected"),
         ({"subject": "P1"}, {"factors": ["freq"]}, "subject: found 1 participant, expected at least 2"),
-        ({"octave": 3.0}, {"covariates": ["octave"]}, "octave: found that octave follows from the terms before it"),
+        ({"octave": 3.0}, {"covariates": ["octave"]}, "octave: found a column (octave) that depends on earlier terms"),
         ({}, {"factors": ["freq", "freq"]}, "mixed_model: found y, subject, freq, freq, expected each column once"),
     ],
 )

@@ -91,7 +91,7 @@ def test_mixed_table_leaves_out_simulated_participants(mixed, whole, capsys):
     pooled = analyse_trials(read_trials(both))
     assert pooled.tables["thresholds"].equals(found.tables["thresholds"])
     assert pooled.warnings[0] == (
-        f"simulated participants in a table with real participants were excluded (P77: {n_rows} rows); "
+        f"simulated participants were excluded, as the table also contains real ones (P77: {n_rows} rows); "
         "analyse them separately"
     )
     assert not pooled.origin.is_simulated
@@ -123,7 +123,9 @@ def test_journals_identify_simulated_participants_of_older_version(tmp_path):
         writer.writerows(own)
     found = analyse_trials(read_trials(root))
     assert "P77" not in set(found.trials.rows["participant"])
-    assert found.origin.warnings[0].startswith("simulated participants in a table with real participants were excluded")
+    assert found.origin.warnings[0].startswith(
+        "simulated participants were excluded, as the table also contains real ones"
+    )
 
 
 def test_changed_setting_between_sittings_has_warning(tmp_path):

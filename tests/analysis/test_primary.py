@@ -53,7 +53,7 @@ def test_anova_is_primary_for_complete_design() -> None:
     found = told(table)
     assert (found.primary, found.notes) == ("anova", ())
     assert found.heading() == (
-        "Primary analysis: repeated-measures analysis of variance (by the rule: every participant has a value in every "
+        "Primary analysis: repeated-measures analysis of variance (by default: every participant has a value in every "
         "condition)"
     )
     assert found.roles()[["role", "analysis"]].values.tolist() == [["primary", "anova"]]
@@ -72,13 +72,13 @@ def test_censored_anova_is_primary_with_bounds() -> None:
     table = estimates(np.random.default_rng(), n_below=2)
     found = told(table, bounds={"force_n": 3.0})
     assert (found.primary, found.effects.attrs["n"]) == ("censored_anova", 8)
-    assert found.notes[0] == "the analysis of values and bounds counts 2 values as bounds"
-    assert found.notes[1].startswith("the analysis of variance, a check, leaves out participant P0, participant P1:")
+    assert found.notes[0] == "the analysis with censored values treats 2 values as bounds"
+    assert found.notes[1].startswith("the analysis of variance, a check, leaves out participant P0, participant P1, as")
     roles = found.roles().set_index("analysis")
     assert roles["role"].to_dict() == {"censored_anova": "primary", "anova": "check"}
     assert roles.loc["anova", "title"].endswith("without participant P0, participant P1")
     headings = list(outcome_sentences(found, "dB"))
-    assert headings[0].startswith("Primary analysis: repeated-measures analysis of variance of values and bounds")
+    assert headings[0].startswith("Primary analysis: repeated-measures analysis of variance with censored values")
     assert [heading for heading in headings if heading.startswith("Check: ")] == [
         f"Check: {roles.loc['anova', 'title']}"
     ]
@@ -97,9 +97,9 @@ def test_flat_cell_counts_as_interval() -> None:
     table.loc[rows[0], "interval_low"] = np.nan
     found = told(table)
     assert found.primary == "censored_anova"
-    assert found.notes[0] == "the analysis of values and bounds counts 1 value as a bound and 1 value as an interval"
+    assert found.notes[0] == "the analysis with censored values treats 1 value as a bound and 1 value as an interval"
     assert found.group[["n_below", "n_above", "n_interval", "n_missing"]].sum().tolist() == [0, 0, 2, 0]
-    assert found.group["text"].str.contains("1 with an interval only", regex=False).sum() == 2
+    assert found.group["text"].str.contains("1 known by an interval only", regex=False).sum() == 2
 
 
 @pytest.mark.parametrize("n_below", [0, 1])
@@ -135,7 +135,7 @@ def test_plan_names_primary_analysis(named) -> None:
     table = estimates(np.random.default_rng(), n_below=1)
     forces = table[["participant", *FACTORS]].assign(force_mean_n=1.1 * table["force_n"])
     found = told(table, primary=named, forces=forces)
-    assert (found.primary, found.reason) == (named, "named by the plan of analysis")
+    assert (found.primary, found.reason) == (named, "named in the analysis plan")
     assert found.roles()["role"].tolist().count("primary") == 1
     assert primary_sentences(found)
     left_out = any("the primary analysis leaves out participant P0" in note for note in found.notes)
@@ -146,13 +146,13 @@ def test_plan_names_primary_analysis(named) -> None:
 def test_missing_anova_of_one_participant_is_noted_once(named) -> None:
     alone = estimates(np.random.default_rng()).query("participant == 'P1'")
     found = told(alone, primary=named)
-    assert found.notes == ("no analysis of variance: no three participants share two conditions with a value",)
+    assert found.notes == ("no analysis of variance: fewer than 3 participants have a value in the same 2 conditions",)
 
 
 def test_unavailable_named_analysis_leaves_no_primary() -> None:
     found = told(estimates(np.random.default_rng()), primary="mixed_model")
     assert (found.primary, primary_sentences(found)) == (None, [])
-    assert found.notes == ("no primary analysis: linear mixed model (named by the plan of analysis) has no result",)
+    assert found.notes == ("no primary analysis: linear mixed model (named in the analysis plan) has no result",)
     assert "Check: repeated-measures analysis of variance" in outcome_sentences(found, "dB")
 
 
@@ -293,7 +293,7 @@ def test_methods_of_questionnaire_name_its_analyses(rated) -> None:
     assert "The primary analysis, chosen by a rule" in rated.methods
     assert "Cousineau" in rated.methods
     for absent in (
-        "counts as a value below",
+        "A censored value is known",
         "Welch",
         "permutation",
         "threshold",
@@ -322,7 +322,7 @@ def test_command_names_primary_analysis(tmp_path) -> None:
     file = written(tmp_path / "t.csv", estimates(np.random.default_rng(), interaction=4.0))
     found = run(file, "--report", tmp_path / "r.html")["outcomes"][0]
     assert found["primary"]["analysis"] == "anova"
-    assert found["primary"]["reason"] == "by the rule: every participant has a value in every condition"
+    assert found["primary"]["reason"] == "by default: every participant has a value in every condition"
     assert [row["Source"] for row in found["primary"]["effects"]] == [
         "force_n",
         "frequency_hz",
@@ -330,7 +330,7 @@ def test_command_names_primary_analysis(tmp_path) -> None:
     ]
     assert found["checks"] == []
     page = (tmp_path / "r.html").read_text()
-    assert "<h3>Primary analysis: repeated-measures analysis of variance (by the rule" in page
+    assert "<h3>Primary analysis: repeated-measures analysis of variance (by default" in page
     assert "Simple effects of force at each frequency" in page
     for name in ("analyses", "anova", "simple", "pairs"):
         assert list((tmp_path / "r_tables").glob(f"{name}_setting*.csv")), name
@@ -338,7 +338,7 @@ def test_command_names_primary_analysis(tmp_path) -> None:
     plan.write_text('primary = "permutation"\n')
     named = run(file, "--plan", plan)["outcomes"][0]
     assert (named["primary"]["analysis"], len(named["checks"])) == ("permutation", 1)
-    assert named["sentences"][0].startswith("force_n: permutation test of 128 changes of signs")
+    assert named["sentences"][0].startswith("force_n: permutation test with 128 sign changes")
 
 
 def test_plan_rejects_unknown_primary_analysis(tmp_path) -> None:
@@ -360,7 +360,7 @@ def test_methods_describe_only_what_ran(tmp_path) -> None:
     for absent in ("analysis of variance", "Holm", "t-intervals", "eta squared", "Welch"):
         assert absent not in alone
     whole = analyse(written(tmp_path / "all.csv", table)).methods
-    assert "chosen by a rule stated before the data" in whole
+    assert "chosen by a rule that does not depend on any result" in whole
     assert "Tobin" not in whole
     assert "pingouin" in whole
     assert "statsmodels" not in whole

@@ -131,9 +131,9 @@ def test_fully_censored_condition_is_left_out_of_anova(tmp_path) -> None:
     assert (first["n"], first["n_above"], first["text"]) == (0, 4, "of 4: 4 above the levels")
     assert first[["mean", "mean_low", "mean_high"]].isna().all()
     assert outcome.notes == (
-        "the analysis of values and bounds leaves out frequency_hz = 60: fewer than 2 participants have a value in "
-        "one of its conditions",
-        "the analysis of variance, a check, leaves out frequency_hz = 60: it needs a value in every condition",
+        "the analysis with censored values leaves out frequency_hz = 60: in some of its conditions, fewer than 2 "
+        "participants have a value",
+        "the analysis of variance, a check, leaves out frequency_hz = 60, as it needs a value in every condition",
     )
     assert (outcome.primary, outcome.censored.design.n_censored, outcome.left_out) == (
         "censored_anova",
@@ -155,8 +155,8 @@ def test_participants_with_bounds_stay_in_primary_analysis(tmp_path) -> None:
         2,
     )
     assert outcome.notes == (
-        "the analysis of values and bounds counts 2 values as bounds",
-        "the analysis of variance, a check, leaves out participant P01, participant P02: it needs a value in every "
+        "the analysis with censored values treats 2 values as bounds",
+        "the analysis of variance, a check, leaves out participant P01, participant P02, as it needs a value in every "
         "condition",
     )
     known = outcome.estimates.dropna(subset="threshold").groupby("frequency_hz")["threshold"].mean()
@@ -244,7 +244,7 @@ def test_terminal_shows_table_and_sentence(found) -> None:
 def test_command_rejects_bad_table_with_one_sentence(tmp_path, capsys) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text("participant,level\nP01,1\n")
-    said = f"tactometry: {bad}: found no column 'task'; name it with a column map (--columns)"
+    said = f"tactometry: {bad}: found no column 'task'; assign it in a column map (--columns)"
     assert refused(capsys, "analyse", bad) == said
 
 
@@ -263,7 +263,7 @@ def test_refuses_a_table_without_psychophysical_answers(tmp_path) -> None:
     path.write_text("participant,trial,procedure,level,task,response\nP01,1,form,,rating,3\n")
     with pytest.raises(
         InvalidFile,
-        match=r"found no valid answer of a task \(yes_no, forced_choice, comparison, same_different, magnitude,",
+        match=r"found no valid answer to a task \(yes_no, forced_choice, comparison, same_different, magnitude,",
     ):
         analyse(path)
 
@@ -303,9 +303,11 @@ def planned(pressed, tmp_path_factory) -> Analysis:
 
 def test_plan_exclusions_are_first_warning(planned) -> None:
     assert set(planned.tables["thresholds"]["participant"]) == {"P01", "P03", "P04", "P05"}
-    assert planned.warnings[0].startswith("left out by the rule force_in_band_share_min = 0.5, numbers of trials: P02 ")
+    assert planned.warnings[0].startswith(
+        "excluded by the rule force_in_band_share_min = 0.5 (numbers of trials): P02 "
+    )
     assert set(planned.tables["excluded"]["participant"]) == {"P02"}
-    assert "rules stated beforehand (force_in_band_share_min = 0.5)" in planned.methods
+    assert "rules specified in advance (force_in_band_share_min = 0.5)" in planned.methods
     assert "Bayes factors (Rouder et al. 2009)" in planned.methods
     assert "pingouin" in planned.methods
 
@@ -323,7 +325,7 @@ def test_report_has_force_models_pairs_and_references(planned) -> None:
         assert text in page
     assert page.index("<h2>Warnings") < page.index("<h2>Detection threshold")
     outcome = planned.outcomes[0]
-    assert outcome.model_title == "frequency_hz * log2 of the measured force, participants at random"
+    assert outcome.model_title == "frequency_hz * log2 of the measured force, random intercept of participants"
     assert outcome.equivalence["force_n"]["equivalent"].all()
     assert len(outcome.pairs["frequency_hz"]) == 3
     assert planned.tables["force"]["mean"].iloc[0] == pytest.approx(0.55, abs=0.01)
@@ -390,5 +392,7 @@ def test_written_pdf_is_named(found, tmp_path, monkeypatch) -> None:
 
 def test_missing_printer_is_reported(tmp_path, monkeypatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(DeviceFailed, match="--pdf: found neither a browser .* nor weasyprint, expected one; print"):
+    with pytest.raises(
+        DeviceFailed, match="--pdf: found neither a browser .* nor weasyprint, expected one of them; print"
+    ):
         print_pdf(tmp_path / "r.html")

@@ -78,8 +78,8 @@ def test_single_participant_has_intervals_of_fits(one) -> None:
     assert captions(one)["threshold"] == (
         "Detection threshold: values of one participant; bars are 95 % intervals of the fits."
     )
-    assert "Values of one participant, each with the 95 % interval of its fit." in render(one)
-    assert "(value, 95 % interval of its fit, n)" in summary_text(one)
+    assert "Values of one participant, each with the 95 % interval of the fit." in render(one)
+    assert "(value, 95 % interval of the fit, n)" in summary_text(one)
 
 
 def test_two_participants_have_between_participants_intervals(two) -> None:
@@ -151,7 +151,7 @@ def test_a_table_without_a_study_has_no_procedure(tmp_path) -> None:
 
 def test_decibel_thresholds_are_also_in_volt_peak(two) -> None:
     page = render(two)
-    assert "The same in V peak, 10^(level / 20): means are geometric." in page
+    assert "The same table in V peak, 10^(level / 20); means are geometric." in page
     known = two.outcomes[0].group.dropna(subset="mean")
     row, text = known.iloc[0], as_amplitudes(known)["text"].iloc[0]
     assert float(text.split(" ")[0]) == pytest.approx(10 ** (row["mean"] / 20), rel=0.01)
@@ -287,7 +287,7 @@ def test_bounds_alone_have_no_means() -> None:
     assert found.outcomes[0].group["mean"].isna().all()
     assert found.outcomes[0].group["text"].tolist() == ["at least 10.0 (flat)", "of 1: 1 below the levels"]
     page = render(found)
-    assert "No mean is known; the cells state for how many participants there are bounds." in page
+    assert "No mean is known; the cells contain the numbers of participants with bounds." in page
     assert "means are geometric" not in page
     assert captions(found)["threshold"].startswith("Detection threshold: no mean is known; ")
 

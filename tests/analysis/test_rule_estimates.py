@@ -140,16 +140,20 @@ def test_reversals_are_found_in_plain_table(tmp_path):
     found = analyse(plain(tmp_path / "t.csv", "staircase,"), report=tmp_path / "r.html").tables["thresholds"].iloc[0]
     kept = TURNS[3:]
     assert (found["rule_estimate"], found["rule_sd"], found["rule_n"]) == (fmean(kept), stdev(kept), len(kept))
-    assert found["rule_note"] == "mean of reversals seen in the levels"
+    assert found["rule_note"] == "mean of reversals in the levels"
     assert "<th>rule estimate</th>" in (tmp_path / "r.html").read_text()
 
 
 @pytest.mark.parametrize(
     ("procedure", "header", "why"),
     [
-        ("quest,", "procedure,", "the parameters of quest are not known: no study.toml next to the table"),
-        ("constant_stimuli,", "procedure,", "no rule: the levels of constant_stimuli do not depend on the answers"),
-        ("", "", "no rule: the table does not name the procedure"),
+        (
+            "quest,",
+            "procedure,",
+            "no estimate: without study.toml next to the table, the parameters of quest are unknown",
+        ),
+        ("constant_stimuli,", "procedure,", "no estimate: the levels of constant_stimuli do not depend on the answers"),
+        ("", "", "no estimate: the table does not name the procedure"),
     ],
 )
 def test_missing_rule_estimate_has_reason(tmp_path, procedure, header, why):

@@ -19,7 +19,7 @@ TASKS = (
     "yes_no, forced_choice, comparison, same_different, magnitude, adjustment, rating, localisation, preference, "
     "measurement"
 )
-CODE = "a code of 1 to 32 letters and digits, no name and no path"
+CODE = "a code of 1 to 32 letters and digits, not a name or a path"
 
 
 def written(path: Path, *lines: str) -> Path:
@@ -97,25 +97,26 @@ def test_foreign_table_is_read_with_column_map(tmp_path: Path) -> None:
     ("lines", "message"),
     [
         (["", ""], "{}: found an empty file, expected a header and trials"),
-        ([HEADER], "{}: found no row below the header, expected trials"),
+        ([HEADER], "{}: found no row below the header, expected at least one trial"),
         (
             [HEADER.replace("level,", "levl,", 1), ROW],
-            "{}: found no column 'level'; name it with a column map (--columns); did you mean 'levl'?",
+            "{}: found no column 'level'; assign it in a column map (--columns); did you mean 'levl'?",
         ),
-        ([HEADER.replace(",task", ",level"), ROW], "{}, row 1: found the column 'level' twice, expected each once"),
-        ([HEADER.replace(",task", ","), ROW], "{}, row 1: found no name for column 10, expected one for each"),
+        ([HEADER.replace(",task", ",level"), ROW], "{}, row 1: found the column 'level' twice, expected unique names"),
+        (
+            [HEADER.replace(",task", ","), ROW],
+            "{}, row 1: found no name for column 10, expected a name for each column",
+        ),
         (
             [HEADER.replace(",procedure", ",rule"), ROW],
             "{}: found no column 'procedure', expected the factors between "
-            "'trial' and 'procedure'; name the factors with --within A,B (--within '' where there are none)",
+            "'trial' and 'procedure'; name the factors with --within A,B (--within '' if there are none)",
         ),
         ([HEADER, ROW, ROW + ",1"], "{}, row 3: found 15 cells, expected 14 as in the header"),
         ([HEADER, ROW, "P01,1,s"], "{}, row 3: found 3 cells, expected 14 as in the header"),
         (
             [HEADER, ROW, changed("participant", "Jane Doe")],
-            "{}, row 3, column 'participant': found 'Jane Doe', expected "
-            + CODE
-            + "; give each a code in a column map "
+            "{}, row 3, column 'participant': found 'Jane Doe', expected " + CODE + "; assign codes in a column map "
             "(--columns), below [values.participant]: 'Jane Doe' = 'P1'",
         ),
         ([HEADER, changed("participant", "")], "{}, row 2, column 'participant': found nothing, expected " + CODE),
@@ -135,17 +136,17 @@ def test_foreign_table_is_read_with_column_map(tmp_path: Path) -> None:
         ),
         (
             [HEADER, changed("response", "2")],
-            "{}, row 2, column 'response': found '2', expected 1, 0 or nothing, where the task is yes_no",
+            "{}, row 2, column 'response': found '2', expected 1, 0 or nothing (task yes_no)",
         ),
         (
             [HEADER, changed("task", "forced_choice").replace(",1,1,1,0", ",left,1,1,0")],
             "{}, row 2, column 'response': found 'left', expected the number of an interval, from 1 to 999, or "
-            "nothing, where the task is forced_choice; say what it means in a column map (--columns), below "
+            "nothing (task forced_choice); translate it in a column map (--columns), below "
             "[values.response], for example: 'left' = 1",
         ),
         (
             [HEADER, changed("correct", "yes")],
-            "{}, row 2, column 'correct': found 'yes', expected 1, 0 or nothing; say what it means in a column map "
+            "{}, row 2, column 'correct': found 'yes', expected 1, 0 or nothing; translate it in a column map "
             "(--columns), below [values.correct], for example: 'yes' = 1",
         ),
         ([HEADER, changed("valid", "2")], "{}, row 2, column 'valid': found '2', expected 1, 0 or nothing"),
@@ -153,10 +154,10 @@ def test_foreign_table_is_read_with_column_map(tmp_path: Path) -> None:
         ([HEADER, changed("force_n", "")], "{}, row 2, column 'force_n': found nothing, expected the factor's value"),
         (
             [HEADER.replace(",", ";"), ROW],
-            "{}, row 1: found columns separated by ;, expected commas (or a file named .tsv "
-            "with tabs); save it as comma-separated values with decimal points, or say so in a column map",
+            "{}, row 1: found columns separated by ;, expected commas, or tabs in a .tsv file; "
+            "save it as comma-separated values with decimal points, or set the separator in a column map",
         ),
-        ([HEADER, '"P01' + ROW[3:]], "{}: found a quotation mark that is never closed, expected it in pairs"),
+        ([HEADER, '"P01' + ROW[3:]], "{}: found an unclosed quotation mark, expected quotation marks in pairs"),
     ],
 )
 def test_damaged_table_is_rejected_with_one_sentence(tmp_path: Path, lines: list[str], message: str) -> None:
@@ -171,7 +172,7 @@ def test_invalid_bytes_are_rejected_with_their_row(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match=re.escape("row 3: found the byte 0xff, expected UTF-8 text")):
         read_trials(file)
     file.write_bytes(f"{HEADER}\nP\0".encode())
-    with pytest.raises(InvalidFile, match=re.escape("row 2: found a zero byte, expected text")):
+    with pytest.raises(InvalidFile, match=re.escape("row 2: found a null byte, expected text")):
         read_trials(file)
 
 
@@ -194,7 +195,7 @@ def test_files_of_different_studies_are_refused(tmp_path: Path) -> None:
     (folder / "a_data.csv").write_text(f"{HEADER}\n{ROW}\n")
     (folder / "b_data.csv").write_text(f"{HEADER.replace('force_n', 'pattern')}\n{ROW}\n")
     with pytest.raises(
-        InvalidFile, match=re.escape("b_data.csv: found other columns than in a_data.csv (force_n, pattern)")
+        InvalidFile, match=re.escape("b_data.csv: found columns that differ from a_data.csv (force_n, pattern)")
     ):
         read_trials(tmp_path)
 
@@ -205,7 +206,7 @@ def test_files_of_different_studies_are_refused(tmp_path: Path) -> None:
         ("[column]\n", "column: found an unknown key, expected one of columns, constants, values, keep, from_name, "),
         ("[columns]\nlevel = [1]\n", "columns.level: found [1], expected a text"),
         ("decimal = ';'", "decimal: found ';', expected '.' or ','"),
-        ("decimal = ','", "separator: found '', expected one sign, and another than the decimal sign"),
+        ("decimal = ','", "separator: found '', expected one character that differs from the decimal sign"),
         ("missing = 'NA'", "missing: found 'NA', expected"),
         ("[columns\n", "found no valid TOML"),
     ],
@@ -221,11 +222,11 @@ def test_column_map_must_name_existing_columns(tmp_path: Path) -> None:
     file = written(tmp_path, HEADER, ROW)
     with pytest.raises(
         InvalidFile,
-        match=re.escape("found no column 'lvl', which the column map names for 'level'; did you mean 'level'?"),
+        match=re.escape("found no column 'lvl', which the column map assigns to 'level'; did you mean 'level'?"),
     ):
         read_trials(file, column_map=ColumnMap({"level": "lvl"}))
     with pytest.raises(
-        InvalidFile, match=re.escape("found the column 'level', which the column map also names 'block'")
+        InvalidFile, match=re.escape("found a column 'level', but the column map assigns 'block' to this name")
     ):
         read_trials(file, column_map=ColumnMap({"level": "block"}))
 

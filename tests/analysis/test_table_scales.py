@@ -55,7 +55,9 @@ def test_map_with_invalid_unit_or_scale_is_rejected(tmp_path, text, message):
 def test_levels_in_two_units_are_refused(tmp_path):
     file = tmp_path / "t.csv"
     file.write_text("participant,side,level,level_unit,task,response\nP1,a,1,dB,yes_no,1\n")
-    with pytest.raises(InvalidFile, match="found the level_unit 'dB', expected 'V', to which units.level brings"):
+    with pytest.raises(
+        InvalidFile, match="found the level_unit 'dB', expected 'V', the unit after conversion by units.level"
+    ):
         read_trials(file, within=["side"], column_map=ColumnMap(units={"level": "mV"}))
 
 
@@ -152,7 +154,7 @@ def test_level_without_logarithm_is_rejected_with_its_row(tmp_path, name):
 
 def test_decibels_have_no_second_logarithm(tmp_path):
     with pytest.raises(
-        InvalidParameter, match="found log10 for levels in 'dB re 1 V', which are a logarithm, expected"
+        InvalidParameter, match="found log10 for levels in 'dB re 1 V', which are already logarithms, expected"
     ):
         read_trials(contrasts(tmp_path, unit="dB re 1 V"), within=["side"], level_scale="log10")
     with pytest.raises(InvalidParameter, match="--level-scale: found 'log', expected one of linear, log10, db"):

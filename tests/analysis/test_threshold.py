@@ -156,7 +156,7 @@ def test_likelihood_threshold_of_step_is_midpoint() -> None:
 def test_single_level_has_proportion_with_exact_interval() -> None:
     found = fitted([15], levels=[3.0])
     assert (found.status, found.threshold, found.interval_low) == (Status.TOO_FEW_LEVELS, None, None)
-    assert found.note == "one level only: 15 of 20 answers, a rate from 0.509 to 0.913; no threshold"
+    assert found.note == "only one level (15 of 20 answers, rate 0.509 to 0.913), so there is no threshold"
 
 
 def test_two_levels_are_fitted_and_flagged() -> None:
@@ -273,7 +273,7 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
         ({"levels": [1, None, 3]}, "levels, row 1: found None, expected a number"),
         (
             {"n_correct": [1, 2, 21]},
-            "n_correct, row 2: found 21, expected at most the number of trials of the row" + ROWS,
+            "n_correct, row 2: found 21, expected at most n_trials of the row" + ROWS,
         ),
         (
             {"n_correct": [-1, 2, 3]},
@@ -293,13 +293,13 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
         ),
         (
             {"n_trials": [20, 20]},
-            "levels, n_correct, n_trials: found the shapes (1, 3), (1, 3), (1, 2), expected equal ones",
+            "levels, n_correct, n_trials: found the shapes (1, 3), (1, 3), (1, 2), expected equal shapes",
         ),
         (
             {"n_correct": [9]},
-            "levels, n_correct, n_trials: found the shapes (1, 3), (1, 1), (1, 3), expected equal ones",
+            "levels, n_correct, n_trials: found the shapes (1, 3), (1, 1), (1, 3), expected equal shapes",
         ),
-        ({"levels": [[1, 2, 3]]}, "levels: found 2 dimensions, expected one; stacks of data sets go to fit_many"),
+        ({"levels": [[1, 2, 3]]}, "levels: found 2 dimensions, expected 1; use fit_many for stacks of data sets"),
         (
             {"shape": "norml"},
             "shape: found 'norml', expected one of normal, logistic, gumbel, reversed_gumbel, weibull"
@@ -307,7 +307,7 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
         ),
         (
             {"shape": "weibull", "levels": [0, 1, 2]},
-            "levels, row 0: found 0, expected a level above 0 (it is a logarithm that is fitted)" + ROWS,
+            "levels, row 0: found 0, expected a level above 0, as its logarithm is fitted" + ROWS,
         ),
         ({"method": "bayes"}, "method: found 'bayes', expected one of posterior, likelihood"),
         ({"interval": 95}, "fit.interval: found 95, expected a number above 0 and below 1"),

@@ -62,7 +62,7 @@ def test_summary_reports_group_effects_variances_and_rates(found) -> None:
 def test_report_has_hierarchical_section_tables_and_methods(found) -> None:
     page = found.report.read_text()
     for text in (
-        "<h2>All participants at once</h2>",
+        "<h2>Hierarchical model of all participants</h2>",
         "force: Wald&#39;s ",
         "Moscatelli, A., Mezzetti",
         "Participants (10",
@@ -168,7 +168,7 @@ def test_forced_choices_guess_at_their_chance() -> None:
     ("found", "note"),
     [
         ([cell(who, k=(0, 0, 0, 0)) for who in "ABC"], "no hierarchical fit: no participant has a threshold"),
-        ([cell(who, levels=(), k=(), n_trials=()) for who in "AB"], "no hierarchical fit: no trial with a level"),
+        ([cell(who, levels=(), k=(), n_trials=()) for who in "AB"], "no hierarchical fit: no trial has a level"),
     ],
 )
 def test_missing_hierarchical_fit_has_reason(found, note) -> None:

@@ -161,9 +161,7 @@ def test_every_group_statistic_has_number_or_status(statistic, case) -> None:
 
 def test_means_over_incomplete_cells_have_note() -> None:
     found = pairs(WHOLE.drop(index=7), factor="hz", **NAMES)
-    assert found.attrs["notes"] == [
-        "several values of one participant in one cell were averaged, from 1 to 2 in a cell: values are missing in some"
-    ]
+    assert found.attrs["notes"] == ["several values of one participant in one cell were averaged, 1 to 2 per cell"]
 
 
 # The command
@@ -257,13 +255,13 @@ def test_command_reports_status_of_every_hard_case(tmp_path, case) -> None:
 def test_missing_cell_is_named_in_first_warning(tmp_path) -> None:
     file = written(tmp_path / "t.csv", rising(), 4, "comparison", without=[(1, 240)])
     found = analysed(file)
-    assert found["warnings"][0] == "1 of 8 cells of comparison without a valid trial (P1 hz 240)"
+    assert found["warnings"][0] == "1 of 8 cells of comparison have no valid trial (P1 hz 240)"
     outcome = found["outcomes"][0]
-    assert outcome["notes"][0] == "the analysis of values and bounds counts 1 value as missing at random"
+    assert outcome["notes"][0] == "the analysis with censored values treats 1 value as missing at random"
     assert "leaves out participant P1" in outcome["notes"][1]
     assert outcome["primary"]["analysis"] == "censored_anova"
     assert outcome["checks"] == [
-        "repeated-measures analysis of variance of the largest complete part, without participant P1"
+        "repeated-measures analysis of variance of the largest complete subset, without participant P1"
     ]
 
 

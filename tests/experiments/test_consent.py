@@ -87,7 +87,7 @@ def test_refused_consent_leaves_other_data_readable(study, tmp_path, capsys, mon
     monkeypatch.setattr("sys.stdin", io.StringIO("yes\n4\n" + "1\n" * 40))
     assert call(capsys, "run", study, "--participant", "P02", "--rig", "console", "--out", root)[0] == 0
     said = output(capsys, "analyse", root)
-    assert "1 session without a trial, left out:" in said
+    assert "1 session without trials left out:" in said
     for to in ("psychopy", "bids", "psych-ds"):
         output(capsys, "export", root, "--to", to, "--out", tmp_path / to)
 

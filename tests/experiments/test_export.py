@@ -276,7 +276,9 @@ def test_psychopy_export_reads_back_with_its_column_map(data_set, tmp_path) -> N
 def test_reading_an_export_suggests_its_column_map(data_set, tmp_path, form) -> None:
     out = tmp_path / form
     export(data_set, form, out)
-    with pytest.raises(InvalidFile, match=f"expected --columns {re.escape(str(out / 'columns.toml'))}; its first line"):
+    with pytest.raises(
+        InvalidFile, match=f"expected --columns {re.escape(str(out / 'columns.toml'))}; the comment in its first line"
+    ):
         read_trials(out)
 
 

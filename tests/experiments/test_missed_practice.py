@@ -42,7 +42,7 @@ def test_analyse_names_who_missed_practice(study, tmp_path, capsys, level, is_mi
     arguments = ("simulate", study(level), "--participants", "2", "--seed", "3", "--out", tmp_path / "data")
     assert json.loads(output(capsys, *arguments, "--json"))["practice_missed"] == 2 * is_missed
     warnings = json.loads(output(capsys, "analyse", tmp_path / "data", "--json"))["warnings"]
-    assert ("practice ended without meeting its criterion: P01, P02" in warnings) == is_missed
+    assert ("practice criterion not met: P01, P02" in warnings) == is_missed
 
 
 def test_exclusion_rule_leaves_out_who_missed_practice(study, tmp_path, capsys):
@@ -101,12 +101,12 @@ def test_experimenter_chooses_after_missed_practice(
 @pytest.mark.parametrize(
     ("lines", "warned"),
     [
-        (f"{NOT_FELT}1\n{FELT}", ["after practice below the criterion the experimenter chose: P01 again"]),
+        (f"{NOT_FELT}1\n{FELT}", ["decision of the experimenter after missed practice criterion: P01 again"]),
         (
             f"{NOT_FELT}1\n{NOT_FELT}2\n",
             [
-                "practice ended without meeting its criterion: P01",
-                "after practice below the criterion the experimenter chose: P01 again, go on",
+                "practice criterion not met: P01",
+                "decision of the experimenter after missed practice criterion: P01 again, go on",
             ],
         ),
     ],

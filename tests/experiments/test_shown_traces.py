@@ -131,7 +131,7 @@ def test_report_shows_force_and_speed_around_onset(copied, tmp_path, capsys):
     speed = [row for row in table if row["quantity"] == "speed_m_per_s"]
     assert {(row["target"], row["band_low"], row["band_high"]) for row in speed} == {("0.05", "0.035", "0.065")}
     page = (tmp_path / "r.html").read_text("utf-8")
-    assert "Applied force around the onset of the stimulus, in valid touches" in page
+    assert "Applied force around stimulus onset in valid touches" in page
     assert "cannot be read" not in page
 
 

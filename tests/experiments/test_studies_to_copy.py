@@ -60,4 +60,4 @@ def test_example_study_analysis_has_expected_result(copied, capsys):
     assert SAYS[name] in out
     report = (root / "report.html").read_text("utf-8")
     assert len(report) > 10_000
-    assert ("For comparisons this model has no lapse rate" in report) == (name == "texture-discrimination")
+    assert ("For comparisons, unlike the fits of single participants" in report) == (name == "texture-discrimination")

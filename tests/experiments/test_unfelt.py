@@ -89,5 +89,5 @@ def test_analyse_prints_no_internal_message(weak, tmp_path, capsys, levels):
     outcome = json.loads(output(capsys, "analyse", tmp_path / "data", "--json"))
     notes = [note for found in outcome["outcomes"] for note in found["notes"]]
     sentences = [line for check in outcome["hierarchical"] for line in check["sentences"]]
-    assert "no mixed model: the known values do not determine its estimates" in notes
+    assert "no mixed model: the known values do not determine the estimates" in notes
     assert not [line for line in (*notes, *sentences) if "found " in line or "expected " in line]

@@ -121,7 +121,7 @@ HEAD = "found session 1 of P01 (tutorial), expected that of"
     ("command", "status", "told"),
     [
         ("validate", 1, (f"P99_session-1_study-tutorial.jsonl, row 1: {HEAD}", f"{ROW}: {CODE}")),
-        ("analyse", 2, (ROW, f"{CODE} as in the file's name; remove the file")),
+        ("analyse", 2, (ROW, f"{CODE} as in the file name; remove the file")),
         ("rebuild", 2, (f"{HEAD} the file's name; remove the copy",)),
         ("replay", 2, (f"{HEAD} the file's name; remove the copy",)),
     ],

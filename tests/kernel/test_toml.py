@@ -24,7 +24,7 @@ from tactometry.stimuli.time_reversal.plate.glass import read_plate
 READERS: dict[str, Callable[[Path], object]] = {
     "a bench file": load_bench,
     "a column map": read_column_map,
-    "a plan of analysis": read_plan,
+    "an analysis plan": read_plan,
     "a plate": read_plate,
     "a questionnaire": lambda path: parse_questionnaire(path.read_bytes(), str(path)),
     "a scene file": load_scene,
@@ -74,7 +74,7 @@ MAPS_AND_PLAN = texts_of("reference/analysis.md", "toml")
 SOUND = {
     "a bench file": texts_of("reference/devices.md", "toml")[0],
     "a column map": MAPS_AND_PLAN[0],
-    "a plan of analysis": MAPS_AND_PLAN[-1],
+    "an analysis plan": MAPS_AND_PLAN[-1],
     "a plate": 'glass = "Borofloat 33"\nlength_m = 0.3\nwidth_m = "210 mm"\nthickness_m = 1e-3\nboundary = "FFFF"\n',
     "a questionnaire": (ROOT / "tactometry" / "questionnaires" / "sus.toml").read_text("utf-8"),
     "a scene file": (ROOT / "experiments" / "scenes" / "a4-screen.toml").read_text("utf-8"),

@@ -76,7 +76,7 @@ def test_console_states_that_nothing_plays_without_output(tmp_path, capsys, monk
     assert {row["level"] for row in rows} == {"22", "28", "34", "40"}
     assert not list((tmp_path / "d" / "journals").glob("*_events.tsv"))
     warnings = json.loads(call(capsys, "analyse", tmp_path / "d", "--json")[2])["warnings"]
-    told = "no stimulus was presented in trials with a level (P01: 32 rows): these answers are invalid"
+    told = "no stimulus was presented in some trials with a level (P01: 32 rows); these answers are invalid"
     assert told in warnings
 
 

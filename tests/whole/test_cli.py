@@ -189,8 +189,8 @@ def test_sine_variant_reports_censored_cells_as_bounds(tmp_path, capsys, monkeyp
     out = output(capsys, "analyse", "d")
     assert re.search(r" 30 │ .*of 3: \d above the", out)
     assert "95 % interval between participants" in out
-    assert re.search(r"analysis of variance of values and bounds\s+\(by the rule", out)
-    assert re.search(r"values and bounds\s+leaves\s+out\s+frequency\s+=\s+30\s+Hz", out)
+    assert re.search(r"analysis of variance with censored values\s+\(by default", out)
+    assert re.search(r"with\s+censored\s+values\s+leaves\s+out\s+frequency\s+=\s+30\s+Hz", out)
 
 
 @pytest.mark.parametrize(

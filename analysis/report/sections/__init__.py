@@ -1,1 +1,1 @@
-"""Kinds of results, one file each, for page, terminal and JSON."""
+"""Presentation of each kind of result."""

@@ -1,11 +1,11 @@
-"""Counts of answers to questions with choices."""
+"""Numbers of participants by answer to categorical questions."""
 
 from collections.abc import Iterator
 
 from ...result import Analysis
 from ..section import Heading, Lead, ResultKind, Section, TextGrid, rows_of
 
-LEAD = "Number of participants by answer. These answers are neither tested nor a reason for exclusion."
+LEAD = "Number of participants by answer. These answers are not tested and do not exclude participants."
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:

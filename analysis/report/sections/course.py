@@ -1,4 +1,4 @@
-"""Interruptions of sessions, and interventions of the experimenter."""
+"""Interruptions of sessions and interventions of the experimenter."""
 
 from collections.abc import Iterator
 
@@ -17,12 +17,12 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
     sittings, events = (analysis.table(name).rename(columns=COLUMNS) for name in ("sittings", "happenings"))
     blocks: list[Content] = []
     if len(sittings):
-        lead = "Interrupted sessions were resumed at the trial that was interrupted."
+        lead = "Interrupted sessions were resumed at the interrupted trial."
         blocks += [Heading("Sittings"), Lead(lead), grid(sittings, ())]
     if len(events):
         blocks.append(Heading("Events"))
         if "order" in set(events["event"]):
-            blocks.append(Lead("An order is a request of the experimenter, an intervention its result."))
+            blocks.append(Lead("Orders are requests by the experimenter; interventions are the resulting actions."))
         blocks.append(grid(events, ()) if len(events) <= MOST_OPEN else details("All events", events, ()))
     if blocks:
         yield Section("Course of the sessions", tuple(blocks))

@@ -1,4 +1,4 @@
-"""Rates against the level, psychometric curves, tracks and estimates."""
+"""Rates by level, psychometric functions, tracks and estimates."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -15,13 +15,13 @@ from ..section import Details, Figure, ResultKind, Section, details, rows_of
 
 SHOWN = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_high", "width", "guess_rate",
          "lapse_rate", "n_trials", "n_catch", "status", "misfit")  # fmt: skip
-"""Columns of estimates on the page; the file has all."""
+"""Columns of estimates shown on the page; the CSV file contains all columns."""
 OF_RULES = ("rule_estimate", "rule_sd", "rule_n")
 N_OPEN = 2
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    # Cells without a level contain only catch trials.
+    # skip cells that contain only catch trials
     tasks = sorted({estimate.cell.task for estimate in analysis.estimates if estimate.cell.levels} & set(CURVES))
     if tasks:
         yield Section("Rates", tuple(figure for task in tasks for figure in _rate_figures(analysis, task)))
@@ -43,7 +43,7 @@ def _rate_figures(analysis: Analysis, task: str) -> Iterator[Figure]:
     text = caption("rates", label, is_one, MAX_LEVELS if counts["level"].nunique() > MAX_LEVELS else 0)
     draw = partial(psychophysics.rate_figure, rates, factors, unit=analysis.unit)
     yield Figure(f"rates_{task}", draw, text, "rates", of_task)
-    # If levels follow the answers, their mean rate depends only on the procedure.
+    # Skip tracks: with adaptive levels the mean rate depends only on the procedure.
     is_tracked = "tracks" in analysis.tables and task in set(analysis.tables["tracks"]["task"])
     if factors and not is_tracked:
         draw = partial(psychophysics.mean_rate_figure, means, factors)

@@ -1,4 +1,4 @@
-"""Localisation: right answers by distance, resolution, and confusions."""
+"""Localisation: correct answers by distance, resolution, and confusions."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -15,7 +15,7 @@ from ...wording import interval_text, percent_text
 from ..captions import caption
 from ..section import Content, Figure, Heading, Lead, ResultKind, Section, TextTable, details, grid, rows_of
 
-MM = {DISTANCE: "distance (mm)", ERROR: "from the right place (mm)"}
+MM = {DISTANCE: "distance (mm)", ERROR: "from the correct place (mm)"}
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
@@ -50,15 +50,15 @@ def _confused(analysis: Analysis) -> Iterator[Content]:
     draw = partial(figures.confusion_figure, analysis.tables[CONFUSIONS])
     yield Heading("Confusions")
     yield Figure("confusions", draw, caption("confusions"), CONFUSIONS)
-    for title, name in (("Confusions", CONFUSIONS), ("Answers by their distance from the right place", ERRORS)):
+    for title, name in (("Confusions", CONFUSIONS), ("Answers by distance from the correct place", ERRORS)):
         if name in analysis.tables:
             yield details(title, _places_view(analysis.tables[name]), analysis.factors)
 
 
 def _rates_view(rates: pd.DataFrame) -> pd.DataFrame:
-    """Return counts (``3 of 4``), rates with intervals, and distances in mm."""
+    """Format counts (``3 of 4``), rates with intervals, and distances in mm."""
     view = rates.loc[:, :"n_correct"].drop(columns="n_correct")
-    view["right answers"] = [f"{k} of {n}" for k, n in zip(rates["n_correct"], rates["n_trials"], strict=True)]
+    view["correct answers"] = [f"{k} of {n}" for k, n in zip(rates["n_correct"], rates["n_trials"], strict=True)]
     view["rate"] = _with_intervals(rates, "rate")
     return _places_view(view)
 
@@ -73,7 +73,7 @@ def _resolution_view(resolutions: pd.DataFrame) -> pd.DataFrame:
 
 
 def _participants_view(each: pd.DataFrame) -> pd.DataFrame:
-    """Return resolutions with intervals, and notes if there are any."""
+    """Format the resolutions with intervals, and notes if there are any."""
     view = each.loc[:, :"resolution_m"].drop(columns="resolution_m")
     view["resolution (mm)"] = _with_intervals(each, "resolution_m", 1e3)
     view["trials"] = each["n_trials"]
@@ -85,7 +85,7 @@ def _participants_view(each: pd.DataFrame) -> pd.DataFrame:
 
 
 def _with_intervals(table: pd.DataFrame, name: str, factor: float = 1.0) -> list[str]:
-    """Return values times a factor, with their intervals."""
+    """Format values times a factor, with their intervals."""
     columns = [name, f"{name}_low", f"{name}_high"]
     rows = (factor * table[columns].astype(float)).itertuples(index=False)
     return ["" if pd.isna(value) else interval_text(value, low, high) for value, low, high in rows]
@@ -97,7 +97,7 @@ def _places_view(table: pd.DataFrame) -> pd.DataFrame:
 
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:
     if TASK in analysis.tables:
-        yield TextTable(_rates_view(analysis.tables[TASK]), "localisation (right answers, 95 % interval)")
+        yield TextTable(_rates_view(analysis.tables[TASK]), "localisation (correct answers, 95 % interval)")
     if RESOLUTION in analysis.tables:
         yield TextTable(_resolution_view(analysis.tables[RESOLUTION]), "resolution (mean, 95 % interval)")
 

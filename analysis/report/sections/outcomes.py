@@ -1,4 +1,4 @@
-"""Dependent values with their analyses, and the hierarchical model."""
+"""Dependent variables with their analyses, and the hierarchical model."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -19,12 +19,12 @@ from ..sentences import hierarchical_sentences, outcome_sentences, primary_sente
 
 EFFECT_COLUMNS = {
     "Source": "effect", "term": "effect", "SS": "SS", "ddof1": "df 1", "ddof2": "df 2", "df1": "df 1", "df2": "df 2",
-    "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p (dfs times epsilon)", "p": "p", "p_permutation": "p",
+    "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p (df × epsilon)", "p": "p", "p_permutation": "p",
     "np2": "partial eta²", "ng2": "generalised eta²",
 }  # fmt: skip
-"""Columns of the primary analysis on the page; the file has all."""
+"""Columns of the primary analysis shown on the page; the CSV file contains all columns."""
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
-"""Columns of a group table for those of a hierarchical fit's conditions."""
+"""Names in a group table for the columns of a hierarchical fit's conditions."""
 DECIBELS = "dB re 1 "
 P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
 
@@ -35,7 +35,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         yield Section(title, tuple(_blocks(outcome, analysis)))
     for check in analysis.hierarchical:
         task = f" ({check.task.replace('_', ' ')})" if len(analysis.hierarchical) > 1 else ""
-        yield Section(f"All participants at once{task}", tuple(_check_blocks(check, analysis)))
+        yield Section(f"Hierarchical model of all participants{task}", tuple(_check_blocks(check, analysis)))
 
 
 def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
@@ -44,7 +44,7 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
     yield grid(outcome.cross, factors)
     unit = outcome.unit(analysis.unit)
     if unit.startswith(DECIBELS) and outcome.group["mean"].notna().any():
-        is_peak = bool(analysis.study.procedure)  # the levels of our own stimuli are peaks
+        is_peak = bool(analysis.study.procedure)  # the levels of Tactometry's stimuli are peak values
         yield Lead(caption("amplitudes_lead", unit.removeprefix(DECIBELS), is_peak))
         yield grid(cross_table(as_amplitudes(outcome.group), factors), factors)
     yield _figure(outcome, analysis)
@@ -56,13 +56,13 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
         heading = outcome.heading()
         yield Heading(in_words(heading, factors))
         yield grid(_effect_columns(outcome.effects, factors), ())
-        # The primary analysis is open; the others are folded below.
+        # The primary analysis is unfolded; the others are folded below it.
         yield Sentences(sentences.pop(heading, []))
     yield Folded(sentences, n_open=2)
 
 
 def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
-    """Return a group table with amplitudes, 10^(level / 20), as `text`.
+    """Return a group table with amplitudes 10^(level / 20) as `text`.
 
     Cells without a mean keep their text.
 
@@ -77,7 +77,7 @@ def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
 def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
     label = with_unit(name, outcome.unit(analysis.unit))
-    if is_of_fit(outcome.group):  # the means are these values
+    if is_of_fit(outcome.group):  # omit values that equal the means
         values = values[values[outcome.dependent].isna()]
     draw = partial(psychophysics.threshold_figure, outcome.group, values, outcome.factors, outcome.dependent, label)
     has_bounds = values[[LOW, HIGH]].notna().any(axis=None)
@@ -123,7 +123,7 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
         if check.fit is None:
             continue
         name = dependent_name(CURVES[check.task].dependents[0]) + (f", {analysis.unit}" if analysis.unit else "")
-        title = f"check, all participants at once: {name} (mean, 95 % interval)"
+        title = f"check with a hierarchical model: {name} (mean, 95 % interval)"
         cross = cross_table(check.conditions, check.fit.factors)
         yield TextTable(cross, title, hierarchical_sentences(check, analysis.unit), across="condition")
 

@@ -1,4 +1,4 @@
-"""Data quality: trials recorded and used, goodness of fit, and exclusions."""
+"""Data quality: numbers of trials, goodness of fit, and exclusions."""
 
 from collections.abc import Iterator
 
@@ -9,13 +9,13 @@ COLUMNS = {
     "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "repeated",
     "n_unanswered": "unanswered", "n_catch": "catch trials", "n_false_alarms": "false alarms",
     "practice_missed": "practice missed",
-    "false_alarm_rate": "rate of false alarms", "n_frames": "frames", "n_dropped_frames": "dropped frames",
+    "false_alarm_rate": "false-alarm rate", "n_frames": "frames", "n_dropped_frames": "dropped frames",
     "n_tested": "functions", "n_flagged": "with p ≤ .01", "n_by_chance": "by chance", "meaning": "meaning of a small p",
 }  # fmt: skip
 """Headings of the tables of data quality and goodness of fit."""
 GOODNESS = (
-    "Tests of the fitted functions with p ≤ .01, and the number expected by chance. The column misfit of "
-    "thresholds.csv names the functions."
+    "Number of fitted functions with p ≤ .01 in each test, and the number expected by chance. The column misfit of "
+    "thresholds.csv marks these functions."
 )
 HEADS: dict[str, tuple[Content, ...]] = {
     "quality": (),

@@ -1,4 +1,4 @@
-"""Questionnaires: scores by condition, word pairs, comparisons."""
+"""Questionnaires: scores by condition, word pairs and comparisons."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -14,7 +14,7 @@ from ..section import Draw, Figure, Folded, Lead, ResultKind, Section, TextGrid,
 from ..sentences import form_sentences
 
 MOST_LINES = 7
-"""Largest number of conditions in a figure of word pairs, one for each colour."""
+"""Largest number of conditions in a figure of word pairs (one colour each)."""
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
@@ -57,7 +57,7 @@ def _figure(
 
 
 def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Return the conditions of each figure, for its patterns as in the thesis."""
+    """Return the conditions of each word-pair figure."""
     if form.crossed is None:
         return [("word_pairs", list(names[:MOST_LINES]))]
     groups = {f: [p for p, (frequency, _) in THESIS.items() if frequency == f] for f, _ in THESIS.values()}
@@ -66,7 +66,7 @@ def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]
 
 
 def _grouped_figures(form: Ratings, grouped: pd.DataFrame) -> Iterator[Figure]:
-    """Yield comparisons of frequencies and envelopes with the single focus."""
+    """Yield figures that compare frequencies and envelopes."""
     for of, profile in grouped.groupby("of", sort=False):
         names = list(dict.fromkeys(profile["condition"]))
         draw = partial(attrakdiff.profile_figure, profile, names, form.form.score_low, form.form.score_high)

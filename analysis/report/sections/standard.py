@@ -8,9 +8,9 @@ from ..section import Details, Lead, ResultKind, Section, Sentences, TextTable, 
 
 TITLE = "Point of subjective equality and just noticeable difference"
 LEAD = (
-    "Mean difference from the standard, with a t-test over participants (p is not corrected for the number of "
-    "conditions); below three participants, each one's posterior interval. The Weber fraction is the "
-    "mean just noticeable difference as a share of the standard, of its amplitude where levels are logarithms."
+    "Mean difference from the standard with a t-test over participants (p is not corrected for the number of "
+    "conditions), or the posterior interval of each participant if there are fewer than three. The Weber fraction is "
+    "the mean just noticeable difference divided by the standard, both as amplitudes if levels are logarithms."
 )
 
 

@@ -1,4 +1,4 @@
-"""Tables of tasks without a curve."""
+"""Tables of tasks without a psychometric function."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -16,7 +16,7 @@ SHOWN = {task: results for task, results in RESULTS.items() if results.title or 
 
 
 def _views(analysis: Analysis) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yield each task's table for readers, with notes only if there are any."""
+    """Yield the readable table of each task, with notes only if there are any."""
     for task in (task for task in SHOWN if task in analysis.tables):
         shown = analysis.tables[SHOWN[task].compared or task]
         table = SHOWN[task].view(shown, analysis.trials, analysis.unit)
@@ -25,7 +25,7 @@ def _views(analysis: Analysis) -> Iterator[tuple[str, pd.DataFrame]]:
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    # The means of participants follow the sections of their dependent values.
+    # Values of participants follow the section of their dependent variable.
     for task, view in _views(analysis):
         if SHOWN[task].dependent:
             yield Section("", (details(f"Participants: {task}", view, analysis.factors),))

@@ -1,4 +1,4 @@
-"""Force and speed around the onset, if they were recorded."""
+"""Force and speed around stimulus onset, if they were recorded."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -8,7 +8,7 @@ from ...result import Analysis
 from ..captions import caption
 from ..section import Content, Figure, Lead, ResultKind, Section
 
-QUANTITIES = {"force_n": "Applied force", "speed_m_per_s": "Speed of the finger"}
+QUANTITIES = {"force_n": "Applied force", "speed_m_per_s": "Finger speed"}
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
