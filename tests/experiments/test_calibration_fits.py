@@ -50,7 +50,7 @@ def test_gain_fit_recovers_gain(volts_per_unit, units):
     ("call", "message"),
     [
         (lambda: fit_force([0, 1], [0, 1]), "found 2 masses and 2 counts, expected .* at least 3 for degree 1"),
-        (lambda: fit_force([0, 1, 2], [0, 1, np.nan]), "found a mass or a count that is no finite number"),
+        (lambda: fit_force([0, 1, 2], [0, 1, np.nan]), "found a mass or a count that is not finite"),
         (lambda: fit_force([0, 1, -2], [0, 1, 2]), "or a mass below 0"),
         (lambda: fit_force([0, 1, 2], [0, 5, 3]), "neither rise nor fall with the weights"),
         (lambda: fit_gain([0.1], [1.0]), "found 1 and 1 values, expected as many, at least two"),

@@ -115,9 +115,13 @@ def test_touched_output_is_gated_by_a_finger_sensor(kind):
         alone.devices(STUDY, TODAY)
     assert alone.devices(STUDY, TODAY, touched=False).force is None
     recorded = bench_of(kind, gain, sensors=RECORDED, force=FORCE["force"])
-    with pytest.raises(InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which knows of no finger"):
+    with pytest.raises(
+        InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which cannot detect a finger"
+    ):
         recorded.devices(STUDY, TODAY)
-    with pytest.raises(InvalidParameter, match=r"^output\.ungated: found true beside .force., expected one of them"):
+    with pytest.raises(
+        InvalidParameter, match=r"^output\.ungated: found true together with .force., expected only one of them"
+    ):
         bench_of(kind, gain, {"ungated": True}).devices(STUDY, TODAY)
 
 

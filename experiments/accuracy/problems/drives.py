@@ -1,4 +1,4 @@
-"""Accuracy problems of drives."""
+"""Accuracy problems of drive signals."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -41,7 +41,7 @@ def oversampling() -> Problem:
 
 
 def _emission(screen: Screen, rate_hz: float) -> Real:
-    """Return each one-bit channel's displacement (n_foci, n_channels)."""
+    """Return the displacement due to each one-bit channel (n_foci, n_channels)."""
     timing: dict[str, Any] = {"rate_hz": rate_hz, "duration_s": ONE_BIT_LASTS_S, "f_max_hz": ONE_BIT_TO_HZ}
     heard = impulse_responses(screen, FOCI_M, **timing)
     drives = [drive(heard.at_point(n), 1.0).samples[:, ::-1] for n in range(heard.n_points)]
@@ -49,7 +49,7 @@ def _emission(screen: Screen, rate_hz: float) -> Real:
 
 
 def _at_crossings(screen: Screen) -> Real:
-    """Return integrals of |h| between its exact zeros."""
+    """Return integrals of |h| between its exact zero crossings."""
     modes = screen.oscillators(ONE_BIT_TO_HZ)
     forces = screen.modal_forces(ONE_BIT_TO_HZ) / screen.plate.mass_kg
     shapes = values_at(screen, FOCI_M, ONE_BIT_TO_HZ)
@@ -67,12 +67,12 @@ def _integral(modes: Oscillators, weights: Real) -> float:
     ends_s = np.concatenate([[0.0], zeros_s, [ONE_BIT_LASTS_S]])
     velocity, displacement = (modes.impulse_at(ends_s, quantity) for quantity in ("velocity", "displacement"))
     moved = 1 - velocity - 2 * modes.decay_per_s[:, None] * displacement
-    integrals = moved / modes.omega_rad_per_s[:, None] ** 2  # by the equation of motion
+    integrals = moved / modes.omega_rad_per_s[:, None] ** 2  # follows from the equation of motion
     return float(np.abs(np.diff(weights @ integrals)).sum())
 
 
 def modulated(order: int) -> Problem:
-    """Compare the sigma-delta bits of a tone with the tone."""
+    """Compare a tone's sigma-delta bit stream with the tone."""
     line = np.zeros(round(BAND_HZ * TONE_LASTS_S) + 1, complex)
     line[round(TONE_HZ * TONE_LASTS_S)] = -1j * TONE_AMPLITUDE
     return Problem(
@@ -101,7 +101,7 @@ def _spectrum(samples: NDArray[np.generic]) -> Complex:
 
 
 def reversal_amplitude() -> Problem:
-    """Compare focus amplitudes of shorter reversal times with the longest."""
+    """Compare focus amplitudes at shorter reversal times with the longest one."""
     heard = _responses()
     return _against_time(
         "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
@@ -111,9 +111,9 @@ def reversal_amplitude() -> Problem:
 
 
 def reversal_contrast() -> Problem:
-    """Compare contrasts of shorter reversal times with the longest.
+    """Compare focus contrasts at shorter reversal times with the longest one.
 
-    The contrast is the amplitude of the focus over the rms of the plate.
+    The contrast is the focus amplitude over the rms amplitude of the plate.
     """
     heard = _responses()
     return _against_time(
@@ -149,9 +149,9 @@ def _contrast(heard: Responses, reversal_s: float) -> float:
 
 
 def _contrast_of_modes(heard: Responses) -> float:
-    """Return the contrast by exact steps of the modes.
+    """Return the contrast from exact time steps of the modes.
 
-    The squared modal amplitudes add up to the mean square of the plate.
+    The sum of the squared modal amplitudes is the mean square over the plate.
     """
     signal = drive(heard, 1.0)
     modes = modal_history(A4_PROTOTYPE, signal, [signal.samples.shape[1] - 1], F_MAX_HZ)

@@ -18,13 +18,13 @@ FREQUENCY_HZ, SINE_LASTS_S, COARSEST_HZ, AREA_M2 = 240.0, 0.1, 5_000, 1e-4
 FACTORS = (1, 4, 16, 64, 256)
 DURATION_S, FORCE_N, SPEED_M_PER_S = 0.2, 0.2, 0.05
 DAMPING_N_S_PER_M = 4040 / (2 * pi * 13.8e3)
-"""Low, so that the pad sticks for some milliseconds."""
+"""Low damping, so that the finger pad sticks for some milliseconds."""
 N_SAMPLES = (20, 200, 2_000, 20_000)
 SILENCE_DB_RE_1V = -120.0
 
 
 def skin_propagator() -> Problem:
-    """Compare the force of sampled voltages with that of the sine."""
+    """Compare the force of a sampled sine voltage with the closed form."""
     area: dict[str, Any] = {"skin": Skin(), "area_m2": AREA_M2, "law": "sc_layer"}
 
     def sampled(factor: int) -> Real:
@@ -50,7 +50,7 @@ def sample_times_s(factor: int) -> Real:
 
 
 def friction_events() -> Problem:
-    """Compare samples around the first break-away with its event."""
+    """Compare the sampled time of the first break-away with the exact time."""
     finger, friction = pad(), DryFriction(gated=False)
     hold_n = friction.static * FORCE_N - finger.damping_n_s_per_m * SPEED_M_PER_S
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
@@ -63,7 +63,7 @@ def friction_events() -> Problem:
 
 
 def pad() -> Finger:
-    """Return a finger pad with stick and slip."""
+    """Return a finger pad with stick-slip friction."""
     return Finger.at_speed(SPEED_M_PER_S, DAMPING_N_S_PER_M)
 
 
