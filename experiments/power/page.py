@@ -21,7 +21,7 @@ PAGE, FIGURE = "power.html", "power"
 
 
 def write_page(found: Power, root: Path) -> None:
-    """Write the offline page, and its figure as SVG and PNG.
+    """Write the offline HTML page, and its figure as SVG and PNG.
 
     Raises `DeviceFailed` if a file cannot be written.
     """
@@ -33,7 +33,7 @@ def write_page(found: Power, root: Path) -> None:
 
 
 def page(found: Power, svg: str) -> str:
-    """Return the text of the page; the same results give the same text."""
+    """Return the page as HTML. The same results give the same text."""
     from jinja2 import Environment, StrictUndefined
 
     design, effect = found.design, found.design.effect
@@ -56,7 +56,7 @@ def page(found: Power, svg: str) -> str:
 
 @dataclass(frozen=True)
 class Applied:
-    """Simulated change at each level of a factor, as text and table."""
+    """Simulated change at each level of a factor: text and table rows."""
 
     words: str
     head: tuple[str, ...]
@@ -98,6 +98,6 @@ WORDS_OF_LEVELS: Final = (
 )
 WORDS_OF_SCORES: Final = (
     "Every participant has these attitudes to the levels of {factor}, all of which are felt alike. Without the effect "
-    "no dimension of the questionnaire differs between them. Other differences between people are those "
+    "no dimension of the questionnaire differs between them. Other differences between participants are those "
     "of [observer.people] and [observer.raters] in the study."
 )

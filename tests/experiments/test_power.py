@@ -49,12 +49,12 @@ def test_power_creates_no_folder_without_pyarrow(capsys, tmp_path, monkeypatch):
 
 REFUSALS = {
     "no factor of that name": (["--effect", "voltage: 2 dB"], "expected a factor of the study (frequency_hz)"),
-    "no unit": (["--effect", "frequency_hz: 2"], "a number without a unit"),
+    "no unit": (["--effect", "frequency_hz: 2"], "without a unit"),
     "another unit": (["--effect", "frequency_hz: 2 m"], "found the unit 'm', expected one of dB, dB SL"),
     "two units": (["--effect", "frequency_hz: 60 = 2 dB, 240 = 1 dB SL"], "one unit for all levels"),
     "no such level": (["--effect", "frequency_hz: 61 = 2 dB"], "expected a level of frequency_hz (60, 240)"),
     "no effect": (["--effect", "frequency_hz: 0 dB"], "expected an effect other than 0"),
-    "a range backwards": (["--participants", "9..6"], "which goes backwards"),
+    "a range backwards": (["--participants", "9..6"], "a descending range"),
     "no range": (["--participants", "six"], "expected a range such as 6..24"),
     "nobody": (["--participants", "0..6"], "expected from 3 to 999"),
     "a target of one": (["--target", "1"], "--target: found 1, expected above 0 and below 1"),
@@ -74,7 +74,7 @@ def test_invalid_power_options_give_one_sentence(capsys, case):
 @pytest.mark.parametrize(
     ("study", "more", "expected"),
     [
-        (TUTORIAL, ["--trials", "41"], "expected as many trials at each level"),
+        (TUTORIAL, ["--trials", "41"], "expected a multiple of the number of levels"),
         (
             load("tutorial")[1].decode().replace("frequency_hz = [60, 240]", "frequency_hz = [60]"),
             [],
@@ -140,7 +140,7 @@ def test_observer_without_traits_is_refused(capsys, own):
     own.write_bytes(own.read_bytes().replace(b"Mine", b"Guesser"))
     code, said, _ = call(capsys, "power", own, *ASKED[2:], "--allow-code")
     assert code == 2
-    assert "observer.kind: found 'mine:Guesser', which takes no [observer.people]" in said
+    assert "observer.kind: found 'mine:Guesser', which does not accept [observer.people]" in said
 
 
 @pytest.mark.slow
@@ -198,7 +198,7 @@ def test_page_states_applied_effect_and_inputs(alone):
     assert {"power.csv", "power.png", "power.svg", "asked.json", "study.toml"} <= set(alone)
 
 
-@pytest.mark.parametrize("label", ["target 0.8", "trials of the study", "level of the test 0.05"])
+@pytest.mark.parametrize("label", ["target 0.8", "trials of the study", "significance level 0.05"])
 def test_legend_is_below_the_axes(alone, label):
     places = {
         word: float(y) for y, word in re.findall(r'<text[^>]* y="([0-9.]+)"[^>]*>([^<]+)<', alone["power.svg"].decode())

@@ -99,7 +99,7 @@ REFUSALS = {
         "hybrid-button",
         (("[observer.raters]", "[texts]\n#"), ("effects.feedback.both = { realism = 0.2 }", "")),
         "feedback: 1 points",
-        "observer.raters: found none, expected that table: an effect on a score is one on attitudes",
+        "observer.raters: found none, expected the table [observer.raters], as an effect on a score changes attitudes",
     ),
 }
 
