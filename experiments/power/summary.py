@@ -166,8 +166,8 @@ def cautions(design: PowerDesign, points: Sequence[PowerEstimate]) -> list[str]:
         worst = max(loose, key=lambda point: point.false_positives)
         rate = _share(worst.false_positives, worst.false_positives_low, worst.false_positives_high)
         warnings.append(
-            f"without an effect the test is significant too often ({rate} with {_words(worst)}): its power is not to "
-            "be trusted there"
+            f"without an effect the test is significant too often ({rate} with {_words(worst)}): do not rely on its "
+            "power there"
         )
     untested = max(points, key=lambda point: point.untested_share)
     if untested.untested_share > 0:

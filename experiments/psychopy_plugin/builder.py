@@ -27,9 +27,7 @@ def _params_of_study() -> dict[str, Param]:
     return {
         "study": _param("touch.toml", "str", "Study", study, "file"),
         "bench": _param("", "str", "Bench", bench, "file"),
-        "factors": _param(
-            "{}", "code", "Factors", "Condition, if the study has several, such as {'frequency_hz': 120}"
-        ),
+        "factors": _param("{}", "code", "Factors", "Condition, if the study has several: {'frequency_hz': 120}"),
     }
 
 

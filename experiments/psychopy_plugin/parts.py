@@ -40,7 +40,7 @@ class TouchPart(StudyPart):
         self.asks, self.outcome = asks, TrialOutcome(())
 
     def run(self, level: float | None) -> bool:
-        """Run to the end; return False if Escape was pressed."""
+        """Run to the end. Returns False if Escape was pressed."""
         self.values = {}
         try:
             if self.asks:
@@ -82,7 +82,7 @@ class FormPart(StudyPart):
     """Questionnaire on pages of Tactometry, with a data row for each item."""
 
     def run(self, name: str, experiment: Any) -> bool:
-        """Run to the end; return False if Escape was pressed."""
+        """Run to the end. Returns False if Escape was pressed."""
         try:
             self.study.questionnaire(name, experiment)
         except Stopped:
