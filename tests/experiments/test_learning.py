@@ -176,9 +176,9 @@ def test_clipped_or_silent_recording_is_refused():
         device.responses = Responses(np.array([[[0.0]]]), 10e3)
         with pytest.raises(DeviceFailed, match="found no signal on the channel or its reference"):
             list(learn(SHORT, Played(device), microphone))
-    with pytest.raises(DeviceFailed, match="expected one rate; nothing was played"):
+    with pytest.raises(DeviceFailed, match="expected the same sampling rate; nothing was played"):
         list(learn(Learning(sequence(8, rate_hz=9e3), 1.0, (0,), 0.01), Played(device), microphone))
-    with pytest.raises(InvalidParameter, match="found 0 and 2, expected two of 0 to 1"):
+    with pytest.raises(InvalidParameter, match="found 0 and 2, expected two different channels from 0 to 1"):
         Microphone(reader, 0, 2, 1.0, 1.0)
 
 

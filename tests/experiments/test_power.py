@@ -78,7 +78,7 @@ def test_invalid_power_options_give_one_sentence(capsys, case):
         (
             load("tutorial")[1].decode().replace("frequency_hz = [60, 240]", "frequency_hz = [60]"),
             [],
-            "with one level (60), expected a factor with two levels",
+            "with one level (60), expected a factor with two or more levels",
         ),
     ],
 )
@@ -92,12 +92,12 @@ def test_unsuitable_study_file_is_refused(capsys, tmp_path, study, more, expecte
 @pytest.mark.parametrize(
     ("study", "effect", "why"),
     [
-        ("grating-roughness", "period_m: 2 dB", "expected one of % exponent, as 'period_m: 20 % exponent'"),
-        ("texture-discrimination", "period_m: 2 dB", "expected one of dB PSE, % JND, as 'period_m: 20 % JND'"),
+        ("grating-roughness", "period_m: 2 dB", "expected one of % exponent, such as 'period_m: 20 % exponent'"),
+        ("texture-discrimination", "period_m: 2 dB", "expected one of dB PSE, % JND, such as 'period_m: 20 % JND'"),
         ("texture-discrimination", "period_m: -100 % JND", "expected a change above -100 %"),
         ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
-        ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels are other places"),
-        ("force-loss", "force_n: 2 dB", "no participant feels an effect"),
+        ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels have different places"),
+        ("force-loss", "force_n: 2 dB", "not sensations of a participant"),
     ],
 )
 def test_unsupported_effects_are_refused_with_the_reason(capsys, study, effect, why):
@@ -223,7 +223,7 @@ def test_damaged_batch_is_refused_with_its_file(capsys, tmp_path, alone):
     restore(tmp_path, {name: content[: 100 if "effect" in name else None] for name, content in alone.items()})
     code, said, _ = call(capsys, *ASKED, "--out", tmp_path, "--resume")
     assert code == 2
-    assert "expected a batch; remove it, then --resume" in said
+    assert "expected a batch; remove it and use --resume" in said
 
 
 def test_bytes_do_not_depend_on_processes(capsys, tmp_path, alone):

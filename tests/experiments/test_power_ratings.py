@@ -90,7 +90,7 @@ def test_patterns_are_tested_against_the_single_focus():
 
 
 REFUSALS = {
-    "decibels": ("hybrid-button", (), "feedback: 2 dB SL", "the unit 'dB SL', expected points, of the score"),
+    "decibels": ("hybrid-button", (), "feedback: 2 dB SL", "the unit 'dB SL', expected points, the unit of scores"),
     "points of a threshold": ("tutorial", (), "frequency_hz: 2 points", "the unit 'points', expected one of dB, dB SL"),
     "no such dimension": (PATTERNS, (), "pattern: P3 = 1 points", "--dependent: found 'beauty', expected one of PQ"),
     "envelope of no patterns": ("hybrid-button", (), "envelope: 1 points", "expected a factor of the study (feedback)"),

@@ -61,7 +61,7 @@ def test_show_says_which_trial_and_whose_it_wants(capsys, tmp_path):
     assert status == 2
     assert "trial: found 99, expected one of participant-P01_session-1_study-tutorial, from 1 to 2" in errors
     status, errors, _ = call(capsys, "show", RECORDED_TRACES, "--trial", 1, "--participant", "P02")
-    assert (status, "found 0 sessions of P02, expected one; say which" in errors) == (2, True)
+    assert (status, "found 0 sessions of P02, expected one; state its participant" in errors) == (2, True)
     assert call(capsys, "show", RECORDED_TRACES, "--trial", 1, "--figure", tmp_path / "t.doc")[0] == 2
 
 
