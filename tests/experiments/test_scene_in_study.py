@@ -178,8 +178,8 @@ SENTENCES = {
     ),
     "another surface": (
         scene(surface='{ kind = "time_reversal" }'),
-        "scene.surface.kind: found 'time_reversal', expected 'electrovibration', the surface of the stimulus; " "use
-        [variants.FACTOR.LEVEL.scene] if levels of a factor have different surfaces",
+        "scene.surface.kind: found 'time_reversal', expected 'electrovibration', the surface of the stimulus; use "
+        "[variants.FACTOR.LEVEL.scene] if levels of a factor have different surfaces",
     ),
     "unknown scene": (
         named("electrovibration-panle"),

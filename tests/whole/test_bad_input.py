@@ -186,8 +186,8 @@ STUDIES = {
     ),
     "factor and value": (
         TUTORIAL.replace('duration_s = "500 ms"', 'duration_s = "500 ms"\nfrequency_hz = 60'),
-        "s.toml, stimulus.frequency_hz: found a value that is also a factor, expected only one of them; remove it here or "
-        "in factors",
+        "s.toml, stimulus.frequency_hz: found a value that is also a factor, expected only one of them; remove it "
+        "here or in factors",
     ),
     "factor named as a column": (
         TUTORIAL.replace("frequency_hz = [60, 240]", "level = [60, 240]"),
