@@ -30,7 +30,7 @@ and the lapse rate. Fits are those of `analyse`, with both asymptotes free.""",
     n_sets=50,
     reasons={
         "difference": "a Bayesian interval is exact on average over the prior of the lapse rate, not at each rate: "
-        "errors are mostly below the true value without lapses, and above it with many",
+        "intervals that miss the true value lie mostly below it without lapses, and above it with many",
         "equality": "same reason as for the difference",
     },
     figure="comparisons",

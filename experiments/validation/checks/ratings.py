@@ -107,8 +107,8 @@ FALSE_ALARMS: Final = Check(
     title="Tests of questionnaires",
     words=f"""\
 {_PEOPLE} Without an effect, 5 % of tests should have p < 5 %. With an attitude that is {ATTITUDE:g} higher for the
-three patterns of the high frequency, the share is the power of *frequency* and *against P0*. *envelope* and the interaction
-never have an effect.""",
+three patterns of the high frequency, the share is the power of *frequency* and *against P0*. *envelope* and the
+interaction never have an effect.""",
     kind=TESTS,
     keys=("effect", "test"),
     settings={"patterns": false_alarms},

@@ -138,8 +138,8 @@ FALSE_ALARMS: Final = Check(
     title="Tests of values",
     words=f"""\
 {_PEOPLE} Without an effect, 5 % of tests should have p < 5 %. With values that are {EFFECT:g} standard deviations
-higher in the last condition, the share is the power. For *values and bounds*, the lowest {SHARE_OF_BOUNDS:.0%} of the values
-are upper bounds. `analyse` reports the p value of Chi and Muller, or that of values and bounds.""",
+higher in the last condition, the share is the power. For *values and bounds*, the lowest {SHARE_OF_BOUNDS:.0%} of the
+values are upper bounds. `analyse` reports the p value of Chi and Muller, or that of values and bounds.""",
     kind=TESTS,
     keys=("errors", "participants", "effect", "test"),
     settings=_settings(false_alarms),
