@@ -135,7 +135,7 @@ def test_documented_plate_is_felt_with_and_without_load():
 
 TWO = """
 [sensation]
-fingers = ["index", "middle"]                   # which places have a finger; each feels the field of all foci there
+fingers = ["index", "middle"]                   # places with a finger; each feels the sum of all foci
 """
 
 
