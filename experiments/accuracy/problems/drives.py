@@ -33,8 +33,8 @@ def oversampling() -> Problem:
     """Compare a sampled one-bit drive with one that may switch at any time."""
     screen = replace(A4_PROTOTYPE, sources=A4_PROTOTYPE.sources[::8])
     return Problem(
-        "rms error of the focus that a channel makes over the rms focus, one bit, modes below 10 kHz, 4 ms",
-        reference=Reference("closed integrals between the zeros", lambda: _at_crossings(screen), 1e-8),
+        "rms error of the focus of each channel over the rms focus, one bit, modes below 10 kHz, 4 ms",
+        reference=Reference("closed-form integrals between zero crossings", lambda: _at_crossings(screen), 1e-8),
         error=over_rms,
         settings=tuple(Setting(f"{hz / 1e3:g} kHz", partial(_emission, screen, hz)) for hz in ONE_BIT_RATES_HZ),
     )
@@ -77,7 +77,7 @@ def modulated(order: int) -> Problem:
     line[round(TONE_HZ * TONE_LASTS_S)] = -1j * TONE_AMPLITUDE
     return Problem(
         f"rms error in the band of 0 to 25 kHz over the rms of a 5 kHz tone, order {order}, 20 ms",
-        reference=Reference("the line of the tone", lambda: line, 1e-12),
+        reference=Reference("the spectral line of the tone", lambda: line, 1e-12),
         error=over_rms,
         settings=tuple(Setting(f"{hz / 1e6:g} MHz", partial(_modulation, order, hz)) for hz in BIT_RATES_HZ),
     )
@@ -104,9 +104,9 @@ def reversal_amplitude() -> Problem:
     """Compare focus amplitudes at shorter reversal times with the longest one."""
     heard = _responses()
     return _against_time(
-        "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
+        "loss of focus amplitude at a shorter reversal time T (one bit, tau = 3.5 ms)",
         lambda reversal_s: focus_amplitude(drive(heard, 1.0, reversal_s=reversal_s), heard),
-        Reference("convolution of the whole drive, last sample", lambda: _emitted_m(heard), 6.2e-6),
+        Reference("convolution with the whole drive, last sample", lambda: _emitted_m(heard), 6.2e-6),
     )
 
 
@@ -117,9 +117,9 @@ def reversal_contrast() -> Problem:
     """
     heard = _responses()
     return _against_time(
-        "contrast of the focus (over the rms of the plate) that a shorter T loses (one bit, tau = 3.5 ms)",
+        "loss of focus contrast (over the rms of the plate) at a shorter T (one bit, tau = 3.5 ms)",
         partial(_contrast, heard),
-        Reference("exact steps of the modes", lambda: _contrast_of_modes(heard), 1e-9),
+        Reference("exact time steps of the modes", lambda: _contrast_of_modes(heard), 1e-9),
     )
 
 

@@ -36,8 +36,8 @@ def skin_propagator() -> Problem:
         return force_per_square_volt_n(Skin(), AREA_M2) * layer_v**2
 
     return Problem(
-        "largest error of the force of a 240 Hz sine over its peak, exact recurrence on samples",
-        reference=Reference("closed form of a sine", closed_form, 1e-12),
+        "largest error of the force of a 240 Hz sine over its peak, exact recurrence over samples",
+        reference=Reference("closed form for a sine", closed_form, 1e-12),
         error=over_largest,
         settings=tuple(Setting(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(sampled, k)) for k in FACTORS),
     )
@@ -55,7 +55,7 @@ def friction_events() -> Problem:
     hold_n = friction.static * FORCE_N - finger.damping_n_s_per_m * SPEED_M_PER_S
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
     return Problem(
-        "time of the first break-away between two samples; the motion itself is exact",
+        "error of the sampled time of the first break-away; the motion itself is exact",
         reference=Reference("closed form without voltage", lambda: breakaway_s, 1e-10),
         error=lambda ends_s, reference_s: max(abs(end_s / reference_s - 1) for end_s in ends_s),
         settings=(*(Setting(f"{n} samples", partial(_read_off, n)) for n in N_SAMPLES), Setting("event", _event)),

@@ -23,8 +23,8 @@ DURATION_S, PADDINGS = 1.6, (1, 2, 4, 8, 16)
 def filter_bank() -> Problem:
     """Sample taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``, which alias."""
     return Problem(
-        "largest error of the amplitude that a channel (NP III, NP I, P) senses of taps at 2.5 Hz, by sampling rate",
-        reference=Reference("the Fourier series of the taps, thresholds written out", _transformed, 1e-8),
+        "largest error of the sensed amplitude of taps at 2.5 Hz (channels NP III, NP I, P), by sampling rate",
+        reference=Reference("Fourier series of the taps, explicit thresholds", _transformed, 1e-8),
         error=largest_relative,
         settings=tuple(Setting(f"{rate_hz / 1e3:g} kHz", partial(_sampled_taps, rate_hz)) for rate_hz in RATES_HZ),
     )
@@ -57,8 +57,8 @@ def _transformed() -> Real:
 def sensitivity() -> Problem:
     """Compute sensed amplitudes of four tones from windowed spectra."""
     return Problem(
-        "largest error of the sensed amplitude of tones between 40 and 320 Hz, windowed spectrum of a record",
-        reference=Reference("the formula of the curve of sensitivity, written out", _written_out, 1e-12),
+        "largest error of the sensed amplitude of tones between 40 and 320 Hz, from windowed spectra",
+        reference=Reference("explicit formula of the sensitivity curve", _written_out, 1e-12),
         error=largest_relative,
         settings=tuple(
             Setting(f"padded to {p * DURATION_S:g} s", partial(_from_record, p), p * DURATION_S) for p in PADDINGS

@@ -38,7 +38,7 @@ def time_integration() -> Problem:
     modes = A4_PROTOTYPE.oscillators(TONE_TO_HZ)
     return Problem(
         f"largest error of {modes.n} modal displacements over the largest, tone of 4 kHz from rest, 5 ms",
-        reference=Reference("powers of the exponential of mode and tone", lambda: _mode_powers(modes), 1e-10),
+        reference=Reference("powers of the matrix exponential of mode and tone", lambda: _mode_powers(modes), 1e-10),
         error=over_largest,
         settings=_by_rate(TONE_RATE_HZ, FACTORS, partial(_propagation, modes)),
     )
@@ -80,8 +80,8 @@ def finger_load() -> Problem:
     """Compare responses under a 2 N finger with those of coupled modes."""
     load = Fingertip(mass_kg=1e-4, stiffness_n_per_m=1e3).load(PRESSED_M, 2.0)
     return Problem(
-        "largest error of the responses under a finger of 2 N over the largest, modes below 4 kHz, 4 ms",
-        reference=Reference("the exponential of all modes at once", lambda: _coupled_modes(load), 1e-9),
+        "largest error of the responses under a 2 N finger over the largest, modes below 4 kHz, 4 ms",
+        reference=Reference("matrix exponential of all coupled modes", lambda: _coupled_modes(load), 1e-9),
         error=over_largest,
         settings=_by_rate(LOADED_RATE_HZ, FACTORS, partial(_loaded_response, load)),
     )
@@ -112,9 +112,11 @@ def _coupled_modes(load: PlateLoad) -> Real:
 def lift_off() -> Problem:
     """Compare contact checked at sample times with exact contact events."""
     return Problem(
-        "largest error of the displacement under a finger of 0.5 N that lifts off, over the largest, 3 ms",
+        "largest error of the displacement under a 0.5 N finger that lifts off, over the largest, 3 ms",
         reference=Reference(
-            "Runge-Kutta of order 8 from event to event", lambda: by_events(Fingertip(), FORCE_N, RATE_HZ)[0], 1e-8
+            "Runge-Kutta method of order 8 between contact events",
+            lambda: by_events(Fingertip(), FORCE_N, RATE_HZ)[0],
+            1e-8,
         ),
         error=over_largest,
         settings=_by_rate(RATE_HZ, LIFT_OFF_FACTORS, _displacement_m),

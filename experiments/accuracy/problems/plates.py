@@ -49,7 +49,7 @@ def free() -> Problem:
     return Problem(
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 m square, edges F",
         reference=Reference("38 degrees", lambda: _elastic_hz(plate, FINEST_DEGREE), ROUNDING),
-        independent=Reference("published values of the square plate", lambda: constant * np.array(PUBLISHED), 4e-7),
+        independent=Reference("published values for the square plate", lambda: constant * np.array(PUBLISHED), 4e-7),
         error=_largest,
         settings=_by_degree(plate),
     )
@@ -143,7 +143,7 @@ def field_grid() -> Problem:
     points = A4_SCREEN.length_m * (n + 0.5) / N_POINTS, A4_SCREEN.width_m * np.asarray(n * GOLDEN % 1)
     return Problem(
         f"largest error between grid points over the peak, A4 plate, {len(amplitude)} modes, bicubic",
-        reference=Reference("the sum of sines at points", lambda: _sines(amplitude, points), 1e-12),
+        reference=Reference("the sum of sines at the points", lambda: _sines(amplitude, points), 1e-12),
         error=partial(_field_error, points),
         settings=tuple(Setting(f"{n} per m", partial(_field, modes, amplitude, n)) for n in POINTS_PER_M),
     )

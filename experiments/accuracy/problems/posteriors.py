@@ -32,7 +32,7 @@ def threshold_fit() -> Problem:
     moved = np.minimum(N_CORRECT + np.arange(N_SETS)[:, None] % 2, N_TRIALS)
     return Problem(
         "largest error of mean and 95 % interval of the threshold over its width, 7 levels x 40 trials, 2AFC",
-        reference=Reference("the posterior written out, integrated finely", _integrated_interval, 1e-6),
+        reference=Reference("explicit posterior, integrated on a fine grid", _integrated_interval, 1e-6),
         error=over_interval,
         settings=(
             Setting(f"shared grid, {N_SETS} sets", lambda: _ends(fit_many(LEVELS, moved, N_TRIALS, **SHAPE)[0])),
@@ -92,7 +92,7 @@ def hierarchical_fit() -> Problem:
     return Problem(
         "relative error of standard errors and standard deviations (RMS), 6 participants with 5 levels of 8 trials",
         reference=Reference(f"{N_FINEST} points", lambda: spreads(N_FINEST), 3e-3),
-        independent=Reference("equidistant sum over the hyperparameters", lambda: _equidistant(laplace), 5e-3),
+        independent=Reference("equidistant sum over hyperparameters", lambda: _equidistant(laplace), 5e-3),
         error=lambda found, reference: float(np.sqrt(np.square(found / reference - 1).mean())),
         settings=tuple(Setting(f"{n} points", partial(spreads, n)) for n in N_POINTS),
     )
@@ -119,7 +119,7 @@ def quest_plus_grid() -> Problem:
     """Compute the QUEST+ threshold after ten two-alternative answers."""
     return Problem(
         "error of the posterior mean of the threshold after ten answers, over the range of 40 dB",
-        reference=Reference("Gauss and Legendre, function by function", _integrated_mean, 1e-7),
+        reference=Reference("Gauss-Legendre integration, function by function", _integrated_mean, 1e-7),
         error=lambda found, reference: abs(found - reference) / (HIGH - LOW),
         settings=tuple(Setting(f"{n} x {n_widths(n)}", partial(_grid_mean, n)) for n in N_THRESHOLDS),
     )

@@ -42,15 +42,15 @@ class Method:
 def problem() -> Problem:
     """Compare threshold errors of procedures in two-alternative tasks."""
     return Problem(
-        f"rms error of the threshold as a part of the amplitude, two alternatives, {N_RUNS} simulated runs",
-        reference=Reference("the threshold that was simulated", lambda: np.zeros(1), 0.0),
+        f"rms error of the threshold as a fraction of the amplitude, two alternatives, {N_RUNS} simulated runs",
+        reference=Reference("the simulated threshold", lambda: np.zeros(1), 0.0),
         error=error_of_decibels,
         settings=tuple(
             Setting(f"{n} trials", partial(_errors_db, method, n), n * TRIAL_S / 60, name)
             for name, method in METHODS.items()
             for n in N_TRIALS
         ),
-        price="time of a participant (min), 4 s a trial",
+        price="time per participant (min), 4 s per trial",
     )
 
 
@@ -118,11 +118,11 @@ METHODS = {
 def group_threshold() -> Problem:
     """Compare errors of the mean threshold by the number of participants."""
     return Problem(
-        f"standard error of the group's threshold as a part of the amplitude, {N_GROUPS} simulated groups",
-        reference=Reference("the mean that was simulated", lambda: np.array([MIDDLE_DB]), 0.0),
+        f"standard error of the group's threshold as a fraction of the amplitude, {N_GROUPS} simulated groups",
+        reference=Reference("the simulated mean", lambda: np.array([MIDDLE_DB]), 0.0),
         error=error_of_decibels,
         settings=tuple(Setting(f"{n} participants", partial(_group_means_db, n), float(n)) for n in N_PARTICIPANTS),
-        price="participants, 160 trials each",
+        price="participants with 160 trials each",
     )
 
 

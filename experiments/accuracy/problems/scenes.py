@@ -39,8 +39,8 @@ def panel() -> Problem:
     scene = load_scene(path_of("electrovibration-panel"))
     force = partial(_samples, scene, "electrostatic_force_n")
     return Problem(
-        "largest error of the electrostatic force over its peak, for the accuracy asked for",
-        reference=Reference("the exact solution in pieces", lambda: _exact(scene), 1e-12),
+        "largest error of the electrostatic force over its peak, by requested accuracy",
+        reference=Reference("the piecewise exact solution", lambda: _exact(scene), 1e-12),
         error=lambda answer, reference: over_largest(np.interp(reference[0], *answer), reference[1]),
         settings=tuple(Setting(f"accuracy {accuracy:g}", partial(force, accuracy)) for accuracy in ACCURACIES),
     )
@@ -80,13 +80,13 @@ def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Probl
     rate_hz = FINER * _surface(scene).rate_hz
     at_s = np.arange(-round(AROUND_S * rate_hz), 1) / rate_hz
     displacement = partial(_samples, scene, "focus_displacement_m")
-    in_time = "impulse responses and the drive in time, extrapolated to all modes"
+    in_time = "impulse responses and drive in the time domain, extrapolated to all modes"
 
     def before_the_focus(accuracy: float) -> Real:
         return np.asarray(np.interp(at_s, *displacement(accuracy)))
 
     return Problem(
-        "largest error of the displacement in the 0.1 ms before the focus over its peak, for the accuracy asked for",
+        "largest error of the displacement in the 0.1 ms before the focus over its peak, by requested accuracy",
         reference=Reference(f"the scene at an accuracy of {FINEST:g}", lambda: before_the_focus(FINEST), FINEST),
         independent=Reference(in_time, lambda: _in_time(scene, loads, len(at_s)), uncertainty),
         error=over_largest,
