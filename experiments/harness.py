@@ -1,4 +1,4 @@
-"""Measurement tools shared by the benchmarks, `cost`, `validate-method` and `reproduce`."""
+"""Measurement tools of benchmarks, `cost`, `validate-method`, `reproduce`."""
 
 import json
 import os
@@ -33,7 +33,7 @@ def item(table: Mapping[str, str], name: str, *, made: bool = False) -> Any:
 
 
 def run_once(call: Call) -> tuple[float, Any]:
-    """Return processor time (s) and result of a call. Other programs hardly change the processor time of one thread."""
+    """Return processor time (s) of one thread, and the result of a call."""
     start_s = time.process_time()
     result = call()
     return max(time.process_time() - start_s, SHORTEST_S), result
@@ -57,7 +57,7 @@ def interleaved(calls: Mapping[str, Call], n_rounds: int, *, turn_s: float = 0.0
 
 
 def machine() -> str:
-    """Return versions, processor and BLAS in one line. Everything is measured on one thread."""
+    """Return versions, processor and BLAS in one line."""
     import numpy as np
     from threadpoolctl import threadpool_info
 
@@ -68,7 +68,7 @@ def machine() -> str:
 
 @dataclass(frozen=True)
 class MeasuredItem:
-    """One measured quantity with its repeats and limits. A ratio has the unit `x`."""
+    """Measured quantity with repeats and limits. A ratio has the unit `x`."""
 
     what: str
     values: tuple[float, ...]
@@ -206,7 +206,7 @@ def share_interval(n_yes: int, n: int, coverage: float = 0.95) -> tuple[float, f
 
 
 def departure(n_yes: int, n: int, stated: float, alpha: float) -> int:
-    """Return -1 or 1 if a share is significantly below or above the stated one, else 0.
+    """Return -1 or 1 if a share is significantly low or high, else 0.
 
     Uses the exact two-sided binomial test.
 

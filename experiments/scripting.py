@@ -1,4 +1,4 @@
-"""Run and simulate studies from a Python script, like the commands `run` and `simulate`."""
+"""Run and simulate studies from Python, like `run` and `simulate`."""
 
 from collections.abc import Callable
 from pathlib import Path

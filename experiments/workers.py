@@ -12,7 +12,7 @@ R = TypeVar("R")
 
 
 class Spread(Protocol):
-    """Function that calls another one with each item, and yields the results in order."""
+    """Function that calls another with each item, and yields ordered results."""
 
     def __call__(self, function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]: ...
 

@@ -122,7 +122,7 @@ def measure(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], 
 
 
 def cold_s(problem: str, place: int) -> float:
-    """Return the processor time (s) of a setting's first call in a new process.
+    """Return the processor time (s) of a setting's call in a new process.
 
     Imports during the call are included, imports of the problem are not.
     """

@@ -38,7 +38,7 @@ then check that the error falls from setting to setting, that references agree, 
 
 
 def table(curve: AccuracyCurve) -> str:
-    """Return a table of the points, 98 columns wide, and the cheapest settings."""
+    """Return a table of the points (98 columns), and the cheapest settings."""
     problem = curve.problem
     lines = [f"{problem.name}: {problem.title}", f"against {problem.reference.by}", f"price: {problem.price}"]
     lines.append(ROW.format("setting", "error", "price", "cold (s)", "warm (s)", "+- (s)", "memory (B)", "answer (B)"))
@@ -60,7 +60,7 @@ def answers(curve: AccuracyCurve) -> list[str]:
 
 
 def label(point: Point) -> str:
-    """Return a point's setting, with the program's name unless it is Tactometry."""
+    """Return a point's setting, with the program unless it is Tactometry."""
     return point.setting if point.contender == OURS else f"{point.contender}, {point.setting}"
 
 

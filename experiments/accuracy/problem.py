@@ -70,7 +70,7 @@ def over_rms(answer: NDArray[Any], reference: NDArray[Any]) -> float:
 
 
 def over_interval(interval: Real, reference: Real) -> float:
-    """Return the largest error of mean and interval ends over the interval length."""
+    """Return the largest error of mean and ends over the interval length."""
     return float(np.abs(interval - reference).max() / (reference[2] - reference[1]))
 
 

@@ -41,7 +41,7 @@ class Devices:
 
 @dataclass(frozen=True)
 class BenchFile:
-    """Contents of a bench file. For each limit, the tighter one of bench and study applies.
+    """Contents of a bench file. The tighter limits of bench and study apply.
 
     Parameters
     ----------
@@ -137,12 +137,12 @@ class BenchFile:
 
     @property
     def stop_delay_s(self) -> float:
-        """Worst-case delay (s) of stopping the output, as the bench file states it."""
+        """Worst-case delay (s) of stopping the output, from the bench file."""
         return self.output.settings.driver(self.output.gain).stop_delay_s
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """Warnings about permissive settings of the bench file, printed by a session."""
+        """Warnings about permissive settings of the bench file."""
         is_shared = getattr(self.output.settings, "shared", False)
         allowed = {
             "output.ungated = true: nothing stops the output when the finger leaves": self.output.ungated,
@@ -200,7 +200,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> Facts:
 
 
 def _stated(bench: BenchFile) -> Facts:
-    """Return the values of the bench file that later sittings are compared with."""
+    """Return values of the bench file to compare with later sittings."""
     parts = {"screen": bench.screen, "force": bench.force, "position": bench.position, **bench.sensors}
     return {
         f"bench_{part}_{key}": value
@@ -272,7 +272,7 @@ def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, 
 
 
 def _part(kind: type[T], table: Mapping[str, Any], path: str, **inner: Callable[[], object]) -> T:
-    """Build a part of the bench and its inner parts. Reports all mistakes at once."""
+    """Build a part of the bench with its inner parts, and report all mistakes."""
     found, made = Gathered(), {}
     for name, build_inner in inner.items():
         with found.part():

@@ -27,7 +27,7 @@ CLIPPED: Final = 0.999
 
 @dataclass(frozen=True)
 class Microphone:
-    """Sensor channels that record a point (`channel`) and the drive (`reference`).
+    """Sensor channels of a point (`channel`) and of the drive (`reference`).
 
     One count equals `units_per_count` (m, m/s or m/s^2) at the point, and `volts_per_count` (V) at the load.
     """
@@ -72,7 +72,7 @@ class Learning:
 
 
 class Heard(NamedTuple):
-    """Responses (1, 1, n_samples): one per repetition, and one from the silence before."""
+    """Responses (1, 1, n_samples) of the repetitions and of silence."""
 
     repeats: tuple[Responses, ...]
     quiet: Responses

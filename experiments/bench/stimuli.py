@@ -48,7 +48,7 @@ class OnChannels:
 
 @dataclass(frozen=True)
 class CommandedSupply:
-    """Switched stimulus whose supply voltage falls with the level, below `highest`.
+    """Switched stimulus whose supply falls with the level, below `highest`.
 
     Drives are proportional to the supply. Below the lowest supply, bursts and pulses become shorter.
     """

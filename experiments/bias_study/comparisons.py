@@ -1,4 +1,4 @@
-"""Coverage of points of subjective equality (PSEs) and just noticeable differences.
+"""Coverage of points of subjective equality (PSEs) and of JNDs.
 
 A lapse is "more" or "less" with equal probability. At a lapse rate of 5 %, the asymptotes are 0.025 and 0.975. PSEs lie
 in the middle quarter of the levels.

@@ -71,7 +71,7 @@ def outcomes_of(
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return bias (SDs), coverage, interval length and share `flat` by row and fit."""
+    """Return bias (SDs), coverage, length and share `flat` by row and fit."""
     by = ["design", "lapse_rate", "truth", "fit"]
     rows = [(*key, *_row(each)) for key, each in outcomes.groupby(by, sort=False)]
     return pd.DataFrame(rows, columns=[*by, "bias", "covered", "covered_all", "length_db", "flat", "flat_covered"])

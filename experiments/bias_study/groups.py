@@ -50,7 +50,7 @@ def outcome(procedure: str, lapses: str, study: int, seed: int) -> dict[str, obj
 
 
 def _covers(table: pd.DataFrame, truth: Array | float) -> NDArray[np.bool_]:
-    """Return which intervals contain the true value. A missing end is infinite."""
+    """Return which intervals contain the truth. A missing end is infinite."""
     low, high = table["interval_low"].fillna(-np.inf), table["interval_high"].fillna(np.inf)
     return np.asarray((low.to_numpy(float) <= truth) & (truth <= high.to_numpy(float)))
 

@@ -61,7 +61,7 @@ def study(rule: Rule[Any], share: float, lapse_rates: Sequence[float], rng: np.r
 def outcomes_of(
     n_studies: int, rng: np.random.Generator, rules: Sequence[str] = tuple(RULES)
 ) -> Iterator[dict[str, float | str]]:
-    """Yield a row for each rule, pair of lapse rates, and share of easy trials.
+    """Yield a row for each rule, lapse rate pair, and share of easy trials.
 
     `error` is the mean difference of thresholds (dB). `false_effects` is the share of studies with p < 0.05 in the
     paired t-test, and `detected` the share with p < 0.05 in the test of equal lapse rates.

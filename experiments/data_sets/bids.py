@@ -34,7 +34,7 @@ TERMS = ("https://www.cognitiveatlas.org", "http://www.cogpo.org")
 
 
 def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str, bytes]:
-    """Return the files of the BIDS data set by path. Equal data give equal bytes.
+    """Return the BIDS files by path. Equal data give equal bytes.
 
     Raises
     ------
@@ -170,7 +170,7 @@ LEVELS = ("level", "level_delivered", "level_measured", "standard_level")
 
 
 def _phenotypes(source: ExportedDataSet) -> dict[str, bytes]:
-    """Return score tables: a row per participant, a column per condition and dimension."""
+    """Return scores: rows are participants, columns condition and dimension."""
     files: dict[str, bytes] = {}
     for name, form in source.forms.items():
         answers = source.used[(source.used["task"] == FORM_TASK) & (source.used["procedure"] == name)]

@@ -1,4 +1,4 @@
-"""Erase one participant from a data set and keep the other participants' files.
+"""Erase one participant from a data set, and keep the files of others.
 
 - *Own* files have the participant's code in their name, or are the participant's journal under another name.
 - *Derived* files are reports, figures and exports. All derived files are erased, as a mean contains every participant.
@@ -40,7 +40,7 @@ class ErasurePlan:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """All files to erase, journals last. The plan can be repeated while a journal exists."""
+        """All files to erase, journals last. The plan requires a journal."""
         return (*self.derived, *self.own, *self.journals)
 
 
@@ -54,7 +54,7 @@ IN_USE: Final = "another process is erasing from this data set, expected to be t
 
 @dataclass(frozen=True)
 class Erased:
-    """Names of erased files and of other files to check. `erasure` is None in a dry run."""
+    """Names of erased files and files to check. A dry run has no `erasure`."""
 
     participant: str
     n_sessions: int
@@ -111,7 +111,7 @@ def _erase(root: Path, participant: str) -> Erased:
 
 
 def _there(journals: Iterable[Path]) -> set[Path]:
-    """Return the existing journals. Locking a broken link would create its target."""
+    """Return the existing journals. Locking a broken link creates its target."""
     return {path for path in journals if path.exists()}
 
 

@@ -38,7 +38,7 @@ ABSENT: Final = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "MISC", "ORNT", 
 
 @dataclass(frozen=True)
 class TracedSession:
-    """Touches of a session with samples of one kind, and where these are stored."""
+    """Touches of a session with samples of one kind, and their locations."""
 
     root: Path
     kind: TraceKind
@@ -149,7 +149,7 @@ def _motion(traced: TracedSession, folder: str, task: str) -> Files:
 
 
 def effective_rate_hz(stamps_s: Sequence[FloatArray]) -> float:
-    """Return the number of samples per second within touches, or 0 for single samples.
+    """Return the samples per second in touches, or 0 for single samples.
 
     >>> effective_rate_hz([np.array([0.0, 0.1, 0.2]), np.array([5.0, 5.1])])
     10.0

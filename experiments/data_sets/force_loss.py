@@ -1,4 +1,4 @@
-"""Results of the study `force-loss`, for figures 5.4 and 5.5 of the thesis."""
+"""Results of the study `force-loss`, for figures 5.4 and 5.5."""
 
 from collections.abc import Mapping
 from pathlib import Path

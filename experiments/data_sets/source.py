@@ -88,7 +88,7 @@ class ExportedDataSet:
 
 
 def _whose(row: Row) -> tuple[str, str]:
-    """Return participant and session. Accepts session numbers such as 1.0 or 001."""
+    """Return participant and session. Accepts sessions such as 1.0 or 001."""
     session = row.get("session")
     return row["participant"], str(int(float(session))) if session else "1"
 
@@ -193,7 +193,7 @@ def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
 
 
 def readme_heading(source: ExportedDataSet, *lines: str) -> str:
-    r"""Format the title, further lines and the description of a data set as Markdown.
+    r"""Format title, further lines and description of a data set as Markdown.
 
     >>> readme_heading(ExportedDataSet((), (), (), "<i>a", "A study."), "Simulated.")
     '# \\<i>a\n\nSimulated.\n\nA study.'
@@ -203,7 +203,7 @@ def readme_heading(source: ExportedDataSet, *lines: str) -> str:
 
 
 def how_to_read(factors: Sequence[str]) -> str:
-    """Return the comment at the top of a column map: the command that reads it.
+    """Return the comment of a column map with the command that reads it.
 
     >>> how_to_read(["force_n", "frequency_hz"])
     '# tactometry analyse . --columns columns.toml --within force_n,frequency_hz'

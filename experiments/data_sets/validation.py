@@ -223,7 +223,7 @@ def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defec
 
 
 def _strange_rows(file: Path, content: bytes) -> Iterator[Defect]:
-    """Yield a defect for the first row of another participant, session or study."""
+    """Yield a defect for the first row of another session or study."""
     named = keys_of(file.stem)
     try:
         header, *rows = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))

@@ -1,1 +1,1 @@
-"""Power analysis before data collection, by simulating and testing whole studies."""
+"""Power analysis by simulating and testing whole studies."""

@@ -23,7 +23,7 @@ _WHOLE = re.compile(r"\s*\d{1,9}\s*")
 
 @dataclass(frozen=True)
 class Case:
-    """Kind of study to simulate: trials per track (None: as in the study), and whether it has the effect."""
+    """Kind of study to simulate. `n_trials` None means: as in the study."""
 
     n_trials: int | None
     has_effect: bool

@@ -16,7 +16,7 @@ APART = 0.12
 
 
 def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawing:
-    """Plot power with its target (top) and false positives with alpha (bottom)."""
+    """Plot power with its target, and false positives with alpha below."""
     with new_figure(6.0, 5.2) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1))
         for place, n_trials in enumerate(dict.fromkeys(point.n_trials for point in points)):

@@ -1,4 +1,4 @@
-"""Folder of a power analysis: inputs, batches of simulated studies, results."""
+"""Folder of a power analysis: inputs, batches of studies, results."""
 
 import io
 from collections.abc import Iterable, Iterator, Sequence
@@ -44,7 +44,7 @@ def asked(design: PowerDesign) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Folder:
-    """Folder of one power analysis. With `keeps_data`, all trials are stored too."""
+    """Folder of one power analysis. With `keeps_data`, it stores all trials."""
 
     root: Path
     keeps_data: bool = False

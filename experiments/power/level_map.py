@@ -114,7 +114,7 @@ def check_maps(study: Study, factor: str) -> None:
 
 
 def with_levels(study: Study, factor: str, maps: Mapping[str, LevelMap]) -> Study:
-    """Return the study with the procedure's levels mapped for each level of a factor."""
+    """Return the study with mapped levels at each level of a factor."""
     of_factor = study.variants.get(factor, {})
     changed = {}
     for level, level_map in maps.items():

@@ -133,7 +133,7 @@ class _Compared:
         self.values = _with_truth(self._values(), truth)
 
     def _values(self) -> pd.DataFrame:
-        """Return thresholds, settings, rates or scores by participant and condition."""
+        """Return the dependent values by participant and condition."""
         factors = self.trials.factors
         if self.form is not None:
             return task_scores(self.trials, self.form)

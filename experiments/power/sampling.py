@@ -1,4 +1,4 @@
-"""Sequential sampling: simulate batches of studies until powers are precise."""
+"""Sequential sampling: batches of studies until powers are precise."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -68,7 +68,7 @@ def _wired(design: PowerDesign, case: Case) -> tuple[Experiment, dict[str, Level
 
 
 def plan_of_study(study: Study) -> AnalysisPlan:
-    """Return the analysis plan without the hierarchical fit, which has no test."""
+    """Return the analysis plan without the hierarchical fit (it has no test)."""
     return replace(build(AnalysisPlan, study.analysis, "analysis"), hierarchical=False)
 
 
@@ -118,7 +118,7 @@ def _check_levels(design: PowerDesign, experiment: Experiment) -> tuple[str, ...
 
 
 def _check_moved_levels(design: PowerDesign, experiment: Experiment, units: set[str]) -> tuple[str, ...]:
-    """Check the unit for a comparison or magnitude task, and return the dependents."""
+    """Check the unit in a comparison or magnitude task. Returns dependents."""
     kind, (unit, *others) = experiment.table.kind, sorted(units)
     of_pse = () if others else (f"{unit}{OF_PSE}",)
     allowed = (*of_pse, OF_JND) if kind == "comparison" else (OF_EXPONENT,)

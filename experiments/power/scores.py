@@ -1,4 +1,4 @@
-"""Effects on questionnaire scores: simulated attitudes, and tests of scores."""
+"""Effects on questionnaire scores: attitudes, and tests of scores."""
 
 from collections.abc import Mapping
 from dataclasses import replace

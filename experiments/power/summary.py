@@ -99,7 +99,7 @@ class Summary:
             self._sums[row.n_trials, row.n_participants, row.has_effect].add(row)
 
     def points(self) -> tuple[PowerEstimate, ...]:
-        """Estimates for each number of trials and participants, where both cases have rows."""
+        """Estimates by trials and participants, where both cases have rows."""
         keys = sorted({key[:2] for key in self._sums})
         return tuple(self._point(*key) for key in keys if all((*key, yes) in self._sums for yes in (True, False)))
 

@@ -67,7 +67,7 @@ def _half_way_db(observer: SignalDetectionObserver, task: Task) -> float:
 
 
 def half_way_of_yes(criterion: float) -> float:
-    """Return the d' at which the rate of yes is half-way from false alarms to 1.
+    """Return the d' with a yes rate half-way from false alarms to 1.
 
     >>> round(half_way_of_yes(1.645), 3)
     1.708
@@ -77,7 +77,7 @@ def half_way_of_yes(criterion: float) -> float:
 
 @lru_cache(maxsize=8)
 def half_way_of_choice(n_intervals: int) -> float:
-    """Return the d' at which the rate is half-way from chance to 1, for m intervals.
+    """Return the d' with a correct rate half-way from chance to 1.
 
     Green and Swets (1966), chapter 2.
 

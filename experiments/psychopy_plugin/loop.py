@@ -11,7 +11,7 @@ from tactometry.session.answer import Played, Touched
 
 
 class Loop:
-    """Iterator over a procedure's levels, which repeats levels without an answer.
+    """Iterator over a procedure's levels. Repeats levels without an answer.
 
     Parameters
     ----------

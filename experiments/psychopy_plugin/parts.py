@@ -33,7 +33,7 @@ class StudyPart:
 
 
 class TouchPart(StudyPart):
-    """Touch on pages of Tactometry, with the study's question if `asks` is True."""
+    """Touch on pages of Tactometry. Asks the study's question with `asks`."""
 
     def __init__(self, window: Any, study: str, bench: str, factors: Factors, *, asks: bool) -> None:
         super().__init__(window, study, bench, factors)

@@ -91,7 +91,7 @@ class PsychoPyStudy:
         self._rig.close()
 
     def touch(self, level: float | None, **factors: float | str) -> Touched:
-        """Guide the finger through a touch of a cell. With level None, no stimulus plays.
+        """Guide the finger through a touch of a cell. Level None is blank.
 
         Raises
         ------
@@ -103,7 +103,7 @@ class PsychoPyStudy:
         return self._rig.answer(self._touch_request(level, factors))
 
     def trial(self, level: float | None, **factors: float | str) -> TrialOutcome:
-        """Run a trial of the study's task. There is no answer if a touch is invalid.
+        """Run a trial of the study's task. An invalid touch gives no answer.
 
         Raises
         ------

@@ -1,1 +1,1 @@
-"""Reference of the keys in all files, generated from the classes that read them."""
+"""Reference of the keys in all files, generated from their classes."""

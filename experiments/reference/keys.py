@@ -190,7 +190,7 @@ _AS_IN: Final = re.compile(r"^As in `(?:([\w.]+)\.)?(\w+)`")
 
 @cache
 def meanings(kind: type) -> Mapping[str, str]:
-    """Return the meaning of each key, from the docstring of the class or a base.
+    """Return the meaning of each key, from docstrings of class and bases.
 
     If a class has a single key, its first paragraph describes that key.
 

@@ -1,4 +1,4 @@
-"""Reference tables of simulated participants, questionnaires and column maps."""
+"""Reference tables of participants, questionnaires and column maps."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Final

@@ -93,7 +93,7 @@ _PLACED: Final = "tactometry.stimuli.time_reversal.stimulus"
 
 
 def study_tables() -> Iterator[KeyTable]:
-    """Yield the reference tables of a study file, except questionnaires and observers."""
+    """Yield reference tables of a study, except observers and questionnaires."""
     read = "tactometry.experiments.study"
     study = f"{read}.study:Study"
     yield KeyTable("study", "", study, example=STUDY, samples=_OF_STUDY, instead={"nested": _NESTED})
@@ -262,7 +262,7 @@ _PLATE: Final[Values] = {
 
 
 def scene_tables() -> Iterator[KeyTable]:
-    """Yield the reference tables of a scene file: surface, fingers and effects."""
+    """Yield reference tables of a scene file: surface, fingers and effects."""
     composed = "tactometry.stimuli.composition.effect:FingerContact"
     place = {"x_m": 0.1, "y_m": 0.1}
     read = "tactometry.stimuli.scenes.file:SceneTables"

@@ -138,7 +138,7 @@ def find(name: str) -> tuple[KeyTable, ...]:
 
 
 def inner_name(table: KeyTable, key: str, classes: Collection[type] = ()) -> str:
-    """Return the name of the table (or group) for a key, empty if there is none.
+    """Return the name of the table or group for a key, or an empty text.
 
     >>> inner_name(tables()["study"], "touch"), inner_name(tables()["bench"], "force")
     ('touch', 'bench.force')

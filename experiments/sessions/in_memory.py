@@ -62,7 +62,7 @@ def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
 
 
 def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
-    """Simulate sessions in memory, and return them like a data set that was read.
+    """Simulate sessions in memory, and return them like a read data set.
 
     >>> from ..study.experiment import wire
     >>> from ..study.study_file import load

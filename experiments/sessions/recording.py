@@ -26,7 +26,7 @@ from ..study.rehearsal import flaw
 
 @dataclass(frozen=True)
 class Who:
-    """Participant of a session. With seed None, it is drawn or already recorded."""
+    """Participant of a session. Seed None: drawn, or recorded before."""
 
     participant: str
     session: int = 1

@@ -144,7 +144,7 @@ class Wiring:
         return ", ".join([kind, *(f"{key}={cell_text(level)}" for key, level in named.items())])
 
     def procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
-        """Build a procedure, or return the cached one. QUEST+ tables are slow to build."""
+        """Build a procedure, or return the cached one, as QUEST+ is slow to build."""
         key = repr(table)  # lists in a table are not hashable
         if key not in self._procedures:
             self._procedures[key] = rule_of(table)

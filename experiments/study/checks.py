@@ -22,7 +22,7 @@ MOST_SAMPLES = 100_000_000
 
 @dataclass(frozen=True)
 class Strongest:
-    """Stimulus at its highest level in a session, and the table that sets the level."""
+    """Stimulus at its highest level, and the table that sets this level."""
 
     name: str
     where: str

@@ -57,7 +57,7 @@ class Experiment(SessionPlan):
         return self.table.task
 
     def words_in(self, language: str) -> dict[str, str]:
-        """Return the custom texts for participants, which replace the built-in ones."""
+        """Return custom texts for participants, which replace built-in ones."""
         kind = self.table.kind
         asked = messages_of(kind, self.table.task_kind.questions)
         of_choices = {name: text for form in self.choices for name, text in words_of(form, language).items()}
@@ -110,7 +110,7 @@ class Experiment(SessionPlan):
         return min(lowest), max(highest)
 
     def _levels(self, cell: WiredCell) -> Iterator[tuple[str, float, float]]:
-        """Yield the keys that set a cell's levels, with their lowest and highest level."""
+        """Yield the keys that set a cell's levels, with lowest and highest level."""
         yield "procedure", *cell.procedure.rule.bounds
         if self.practice is not None:
             yield "practice", *self.practice.bounds
@@ -130,7 +130,7 @@ class Experiment(SessionPlan):
 
     @cached_property
     def felt(self) -> str:
-        """Effects of the scenes in words, by stimulus if they differ. Empty without scenes."""
+        """Effects of the scenes in words, by stimulus if they differ."""
         by_stimulus = {cell.condition.stimulus: cell.sensation for cell in self.cells.values()}
         scenes = {name: scene_in_words(skin.scene) for name, skin in by_stimulus.items() if isinstance(skin, FeltScene)}
         firsts = {words: name for name, words in reversed(scenes.items())}

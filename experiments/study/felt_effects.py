@@ -107,7 +107,7 @@ class FeltEffects:
 
 
 def felt_effects(experiment: Experiment) -> list[FeltEffects]:
-    """Predict the sensation for each distinct set of effects in the study's scenes."""
+    """Predict the sensation for each set of effects in the study's scenes."""
     firsts: dict[object, tuple[WiredCell, Scene]] = {}
     for cell in experiment.cells.values():
         if isinstance(cell.sensation, FeltScene):
@@ -190,7 +190,7 @@ class Pressed(Protocol):
         """Names of the fingers that share the force of a touch."""
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """Return the contact force in excess of the pressing force, ([n_fingers,] n_samples)."""
+        """Return contact minus pressing force, ([n_fingers,] n_samples)."""
 
 
 @dataclass(frozen=True)

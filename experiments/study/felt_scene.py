@@ -51,10 +51,10 @@ class FeltScene:
 
 
 class FeltOnPlate(FeltScene):
-    """Sensation model of a moving plate, with the force between finger and plate."""
+    """Sensation model of a moving plate, with the contact force."""
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """Return the contact force in excess of the pressing force, (n_fingers, n_samples)."""
+        """Return contact minus pressing force, (n_fingers, n_samples)."""
         force_n: FloatArray = self._pressed.run({"signal": signal, "contact": contact})[FORCE]
         return force_n
 
@@ -223,7 +223,7 @@ def _parts_of_table(read: SceneTable, surface: str) -> Parts:
 
 
 def _parts_of_scene(name: str, surface: str) -> Parts:
-    """Return the surface and effects of a scene file, without those that [stimulus] states."""
+    """Return surface and effects of a scene file that [stimulus] does not set."""
     from tactometry.stimuli.scenes.file import load_scene  # imports the modules of its effects
 
     with rewording(lambda words: words.replace("FILE", "scene.name", 1)):

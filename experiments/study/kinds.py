@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ProcedureKind:
-    """Kind of procedure: import target, and example table with levels from 0 to 40.
+    """Kind of procedure: import target, and example with levels of 0 to 40.
 
     `rule` is the method that returns the rule, if the class itself is not a rule. With `can_be_shared`, tracks can
     share answers. With `takes_easy_trials`, levels depend on the answers, so easy trials can be added.

@@ -1,4 +1,4 @@
-"""Custom stimulus and sensation classes, read from a file next to the study."""
+"""Custom stimulus and sensation classes, from a file next to the study."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, make_dataclass
@@ -70,7 +70,7 @@ class OwnStimulus:
 
 
 class Unseen:
-    """Placeholder for a class whose code must not run. Existing data can be read."""
+    """Placeholder for a class whose code must not run, to read existing data."""
 
     target: str
     where: str

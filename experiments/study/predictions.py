@@ -43,7 +43,7 @@ def contact_of(cell: WiredCell) -> Contact:
 
 
 def played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
-    """Return the signal at a level, felt by a finger that slides in a straight line."""
+    """Return the signal at a level, felt by a finger on a straight path."""
     signal = cell.stimulus.at(level)
     return felt_under(cell.stimulus, signal, *straight_way(signal.duration_s, speed_m_per_s, TRAJECTORY_M))
 

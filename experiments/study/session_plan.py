@@ -34,7 +34,7 @@ def key_of(factors: Factors) -> Key:
 
 
 def nested_levels(study: Study) -> dict[str, dict[float | str, dict[str, Levels]]]:
-    """Return nested levels by level, instead of by the level's text in the file."""
+    """Return nested levels by level, instead of by its text in the file."""
     return {
         factor: {level: by_name[cell_text(level)] for level in study.factors[factor] if cell_text(level) in by_name}
         for factor, by_name in study.nested.items()

@@ -25,7 +25,7 @@ Levels = tuple[float | str, ...]
 @dataclass(frozen=True)
 @constrained
 class PlanTable:
-    """Division of cells into sessions and blocks, in addition to `counterbalance`.
+    """Division of cells into sessions and blocks, beyond `counterbalance`.
 
     Parameters
     ----------

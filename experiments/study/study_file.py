@@ -107,7 +107,7 @@ def load(study: str) -> tuple[Study, bytes]:
 
 
 def with_forms(content: bytes, path: Path) -> bytes:
-    """Insert questionnaires from the files in `[forms.NAME]` into a study file's bytes.
+    """Insert questionnaires from files of `[forms.NAME]` into a study's bytes.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def _check_path(folder: Path, named: object, where: str) -> None:
 
 
 def _table_of_file(path: Path, name: str) -> dict[str, Any]:
-    """Return the table of a questionnaire, to which the study refers as `name`."""
+    """Return the table of a questionnaire. `name` is its name in the study."""
     what = "a questionnaire"
     table = table_of(read_file(path, what, LARGEST_FILE), str(path), what)
     with errors_in(path):

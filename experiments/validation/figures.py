@@ -22,7 +22,7 @@ COLUMNS = 3
 
 
 def write_figures(found: Validated, folder: Path, *, as_pixels: bool) -> None:
-    """Write an SVG figure for each check that has one, and a PNG with `as_pixels`."""
+    """Write SVG figures of the checks. With `as_pixels`, write PNGs too."""
     make_folder(folder)
     for name, table in found.tables.items():
         check = check_of(name)
@@ -62,7 +62,7 @@ def shares(check: Check, table: pd.DataFrame) -> Drawing:
 
 
 def _distinct(table: pd.DataFrame, key: str) -> list[Any]:
-    """Return the methods. Of methods with equal shares, only the first is returned."""
+    """Return the methods, but only the first of those with equal shares."""
     seen: dict[tuple[float, ...], Any] = {}
     for method in dict.fromkeys(table[key]):
         seen.setdefault(tuple(table.loc[table[key] == method, "share"]), method)

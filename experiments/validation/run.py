@@ -69,7 +69,7 @@ class Validation:
 
     @property
     def chunks(self) -> list[Chunk]:
-        """Chunks in the order of rounds, so that an interrupted run has complete rounds."""
+        """Chunks in order of rounds: an interrupted run has complete rounds."""
         settings = [(name, setting) for name in self.checks for setting in check_of(name).settings]
         return [Chunk(name, setting, number) for number in range(self.n_rounds) for name, setting in settings]
 

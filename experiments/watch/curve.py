@@ -132,7 +132,7 @@ def curve_plot(answers: Answers) -> Plot:
 
 
 def _words(answers: Answers, fit: ThresholdFit) -> str:
-    """Return a sentence with the estimates that `analyse` reports for these answers.
+    """Return a sentence with the estimates that `analyse` would report.
 
     >>> levels = (36.0, 38.0, 40.0, 42.0, 44.0)
     >>> of = Answers(Cell("", ("",), "comparison", levels, (0, 1, 6, 11, 12), (12,) * 5, 0, 0), "dB", standard=40.0)

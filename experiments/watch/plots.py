@@ -19,7 +19,7 @@ Points = Iterable[tuple[float, float]]
 
 @dataclass(frozen=True)
 class Ruler:
-    """Scale that maps values from `low` to `high` to an axis from `start` to `end`.
+    """Scale: values from `low` to `high` on an axis from `start` to `end`.
 
     >>> Ruler(0.0, 10.0, 100.0, 200.0).at(2.5), Ruler(0.0, 10.0, 100.0, 200.0).ticks
     (125.0, (0.0, 2.0, 4.0, 6.0, 8.0, 10.0))
@@ -55,7 +55,7 @@ def ruler_over(values: Iterable[float], start: float, end: float, margin: float 
 
 
 class Mark(NamedTuple):
-    """Symbol at a point. `kind` is yes, no, neutral, invalid, reversal or rate."""
+    """Symbol of a `kind`: yes, no, neutral, invalid, reversal or rate."""
 
     x: float
     y: float

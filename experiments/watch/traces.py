@@ -63,7 +63,7 @@ def samples_plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | No
 
 
 def _health(times_s: FloatArray, values: FloatArray) -> str:
-    """Describe a sensor's sampling rate, lost samples and longest gap in words."""
+    """Describe a sensor's sampling rate, lost samples and longest gap."""
     if len(times_s) < 2:
         return ""
     n_lost = int(np.isnan(values).any(axis=1).sum())

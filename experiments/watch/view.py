@@ -134,7 +134,7 @@ def _answer(trial: Trial) -> str:
 
 
 def level_plots(progress: Progress) -> list[Plot]:
-    """Return plots of the tracks in the current block, the current track first."""
+    """Return plots of the tracks in the current block, current track first."""
     last = last_presented(progress)
     if last is None:
         return []

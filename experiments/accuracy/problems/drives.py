@@ -41,7 +41,7 @@ def oversampling() -> Problem:
 
 
 def _emission(screen: Screen, rate_hz: float) -> Real:
-    """Return the displacement due to each one-bit channel (n_foci, n_channels)."""
+    """Return displacements due to each one-bit channel (n_foci, n_channels)."""
     timing: dict[str, Any] = {"rate_hz": rate_hz, "duration_s": ONE_BIT_LASTS_S, "f_max_hz": ONE_BIT_TO_HZ}
     heard = impulse_responses(screen, FOCI_M, **timing)
     drives = [drive(heard.at_point(n), 1.0).samples[:, ::-1] for n in range(heard.n_points)]

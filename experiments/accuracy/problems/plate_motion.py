@@ -49,7 +49,7 @@ def _by_rate(rate_hz: float, factors: tuple[int, ...], run: Callable[[int], Real
 
 
 def times_s(factor: int) -> Real:
-    """Return the sample times (s) of the tone at `factor` times `TONE_RATE_HZ`."""
+    """Return the tone's sample times (s) at `factor` times `TONE_RATE_HZ`."""
     return np.arange(round(TONE_LASTS_S * TONE_RATE_HZ) * factor + 1) / (TONE_RATE_HZ * factor)
 
 
@@ -164,7 +164,7 @@ def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, 
 def _equations(
     modes: Oscillators, here: NDArray[np.float64], finger: Fingertip, force_n: float
 ) -> tuple[Callable[..., Real], Event, Event]:
-    """Return the derivative of modes, speeds and skin, and the two event functions."""
+    """Return the derivative of modes, speeds and skin, and the event functions."""
     load, n = finger.load(AT_M, force_n), modes.n
     resistance, stiffness = load.resistance_n_s_per_m, load.stiffness_n_per_m
 

@@ -35,7 +35,7 @@ Samples = tuple[Real, Real]
 
 
 def panel() -> Problem:
-    """Measure the error of the electrostatic force of `electrovibration-panel`."""
+    """Measure the error of the force of `electrovibration-panel`."""
     scene = load_scene(path_of("electrovibration-panel"))
     force = partial(_samples, scene, "electrostatic_force_n")
     return Problem(

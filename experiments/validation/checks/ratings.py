@@ -38,7 +38,7 @@ RATERS: Final[Mapping[float, Raters]] = {
 
 
 def study(effect: float, seed: int) -> pd.DataFrame:
-    """Simulate a study, with a row for each answer in whole steps of the scale."""
+    """Simulate a study, with a row for each answer (a whole number)."""
     rows = []
     for code in (f"P{number:02d}" for number in range(N_PARTICIPANTS)):
         rater = Rater(

@@ -46,7 +46,7 @@ def studies(
 
 
 def long_table(values: NDArray[np.float64]) -> pd.DataFrame:
-    """Return a row per participant and condition. `cut` turns low values into bounds."""
+    """Return a row per participant and condition. `cut` omits low values."""
     shape = [range(length) for length in values.shape]
     table = pd.MultiIndex.from_product(shape, names=["participant", "condition"]).to_frame(index=False)
     y = values.ravel()
@@ -99,7 +99,7 @@ def with_effect(values: NDArray[np.float64], effect: float) -> NDArray[np.float6
 
 
 def effects(errors: str, n_participants: int, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Estimate the last condition minus the first, and the last condition's mean."""
+    """Estimate the last condition, and its difference to the first."""
     rows = []
     for values in studies(errors, n_participants, n_sets, rng):
         table = long_table(with_effect(values, EFFECT))
