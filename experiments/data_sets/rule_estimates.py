@@ -48,7 +48,9 @@ class _Replay:
         try:
             procedures = _procedures_after(ready, block, names)
         except InvalidParameter as refusal:
-            return dict.fromkeys(names, RuleEstimate(note=f"the rule of study.toml refuses these answers ({refusal})"))
+            return dict.fromkeys(
+                names, RuleEstimate(note=f"the procedure of study.toml rejects these answers ({refusal})")
+            )
         estimates = (procedure.estimate for procedure in procedures)
         return {name: RuleEstimate(of.level, of.sd, of.n, of.note) for name, of in zip(names, estimates, strict=True)}
 

@@ -236,9 +236,9 @@ def _unknown(touch: RecordedTouch) -> str:
     ]
     recorded = f": {', '.join(others)}" if others else ""
     return (
-        f"the study gives another signal than that of the digest {touch.digest}; it was recorded by another version"
-        f"{recorded}, or on a bench that learnt responses or has a board (give its file); where a simulated finger was "
-        "on a texture is not kept"
+        f"the study's signal differs from the recorded digest {touch.digest}. It was recorded by another version"
+        f"{recorded}, or on a bench with learned responses or a board (state its file), or with a simulated finger on a "
+        "texture, whose path is not stored"
     )
 
 

@@ -108,6 +108,7 @@ class PsychoPyStudy:
         Raises
         ------
         InvalidParameter, Stopped
+            As for `touch`.
         """
         condition = self._cell(factors).condition
         shown = Presentation(condition.stimulus, level, condition.touch, condition.alternatives)

@@ -46,7 +46,7 @@ class Who:
             upto = f" to {LARGEST_NUMBER}" if number is not None and number > 1 else ""
             raise InvalidParameter(
                 f"participant {self.participant!r}: found no number from 1{upto} for counterbalancing, expected a code "
-                "that ends with one, such as P01; or give --number"
+                "that ends with one, such as P01; or state --number"
             )
         return number
 
@@ -173,12 +173,12 @@ def _session_seed(head: Head | None, who: Who, kind: RigKind) -> int:
     if head is None:
         return secrets.randbelow(2**32) if who.seed is None else who.seed
     if kind.name != head.rig:
-        raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; go on with that")
+        raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; continue with it")
     seed = head.seed if who.seed is None else who.seed
     for name, value, begun in (("seed", seed, head.seed), ("number", number, head.number)):
         if value != begun:
             raise InvalidParameter(
-                f"--{name}: found {value}, but this session began with {begun}; leave it out to go on"
+                f"--{name}: found {value}, but this session began with {begun}; leave it out to continue"
             )
     return head.seed
 

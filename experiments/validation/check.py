@@ -142,17 +142,17 @@ ESTIMATES = Kind(
         "none": "no value / %",
         "bias": "bias",
         "error_sd": "SD of error",
-        "share": "95 % interval holds / %",
+        "share": "95 % interval covers truth / %",
         "verdict": "",
         "width": "its width",
-        "bounds": "bound holds / %",
+        "bounds": "bound covers truth / %",
     },
 )
 TESTS = Kind(
     "tests",
     ("effect", "p"),
     _tests,
-    {"sets": "studies", "none": "no answer / %", "share": "p < 5 % / %", "verdict": ""},
+    {"sets": "studies", "none": "no result / %", "share": "p < 5 % / %", "verdict": ""},
 )
 RANKS = Kind(
     "ranks",

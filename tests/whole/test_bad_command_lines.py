@@ -48,12 +48,12 @@ COMMAND_LINES = {
     "code without number": (
         ["run", "tutorial", "--participant", "AK", "--rig", "simulated", "--out", "d"],
         2,
-        "participant 'AK': found no number from 1 for counterbalancing, .*; or give --number",
+        "participant 'AK': found no number from 1 for counterbalancing, .*; or state --number",
     ),
     "code without number, to go on": (
         ["run", "tutorial", "--participant", "AK", "--rig", "console", "--out", "d", "--resume"],
         2,
-        "participant 'AK': found no number from 1 for counterbalancing, .*; or give --number",
+        "participant 'AK': found no number from 1 for counterbalancing, .*; or state --number",
     ),
     "session 0": (
         ["run", "tutorial", "--participant", "P01", "--session", "0", "--rig", "simulated", "--out", "d"],
