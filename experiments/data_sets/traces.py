@@ -237,8 +237,8 @@ def _unknown(touch: RecordedTouch) -> str:
     recorded = f": {', '.join(others)}" if others else ""
     return (
         f"the study's signal differs from the recorded digest {touch.digest}. It was recorded by another version"
-        f"{recorded}, or on a bench with learned responses or a board (state its file), or with a simulated finger on a "
-        "texture, whose path is not stored"
+        f"{recorded}, or on a bench with learned responses or a board (state its file), or with a simulated finger "
+        "on a texture, whose path is not stored"
     )
 
 

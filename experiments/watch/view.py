@@ -125,7 +125,7 @@ def _last(trial: Trial) -> str:
 
 def _answer(trial: Trial) -> str:
     if not trial.valid:
-        return f"not valid ({'no reason recorded' if trial.invalid_reason is None else reason_words(trial.invalid_reason)})"
+        return f"not valid ({'unknown reason' if trial.invalid_reason is None else reason_words(trial.invalid_reason)})"
     if TASKS[trial.task].response is YES_OR_NO and trial.response is not None:
         return TASKS[trial.task].answers[trial.response == 1]
     if trial.correct is not None:
