@@ -154,7 +154,9 @@ def test_hands_off_is_confirmed_at_a_terminal(monkeypatch, capsys, typed, sure):
 def test_ungated_bench_is_not_fine(tmp_path):
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS)
     failed = [each for each in devices(bench, Limits(80.0), None, hands_off=False) if each.fine is False]
-    assert failed[0].found.startswith("force: found none, expected the sensor that stops the output when the finger")
+    assert failed[0].found.startswith(
+        "force: found none, expected a force sensor that stops the output when the finger"
+    )
     assert exit_status(failed) == 1
 
 

@@ -154,7 +154,7 @@ def test_locked_study_continues_with_a_warning(tmp_path, capsys, monkeypatch, te
     status, said, out = call(capsys, "run", path, "--participant", "P01", "--rig", "console", "--out", data)
     assert status == 0
     assert warning in said
-    assert ("the shipped text is shown in its place" in said) is is_replaced
+    assert ("the built-in text is shown instead" in said) is is_replaced
     assert "That was all" in out
 
 

@@ -187,14 +187,17 @@ SENTENCES = {
         "hybrid-screen, thin-screen; did you mean 'electrovibration-panel'?",
     ),
     "no scene file": (named(ROOT / "pyproject.toml"), "pyproject.toml, build-system: found an unknown key"),
-    "scene on a plate": (named("a4-screen"), "scene.name: found 'a4-screen', a scene on 'time_reversal', expected one"),
+    "scene on a plate": (
+        named("a4-screen"),
+        "scene.name: found 'a4-screen', a scene on 'time_reversal', expected a scene on",
+    ),
     "both": (
         named("electrovibration-panel", "effects = []\nsurface = { area_m2 = 1e-4 }\n"),
         "scene.name: found 'electrovibration-panel' next to surface or effects, expected one of the two",
     ),
     "sensation too": (
         scene() + "[sensation]\nreference_force_n = 1e-5\n",
-        "sensation: found a table next to [scene], expected one of the two",
+        "sensation: found a table next to [scene], expected only one of them",
     ),
     "at rest": (
         changed(scene(), {'kind = "slide"': 'kind = "press"', 'speed_m_per_s = "50 mm/s"\n': ""}),

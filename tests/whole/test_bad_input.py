@@ -191,7 +191,7 @@ STUDIES = {
     ),
     "factor named as a column": (
         TUTORIAL.replace("frequency_hz = [60, 240]", "level = [60, 240]"),
-        "s.toml, factors.level: found the name of a column in every trials table, expected another",
+        "s.toml, factors.level: found the name of a column in every trials table, expected another name",
     ),
     "counterbalance of no factor": (
         THRESHOLD.replace('["force_n", "frequency_hz"]', '["force_m"]'),
@@ -200,7 +200,7 @@ STUDIES = {
     ),
     "name": (
         TUTORIAL.replace('name = "tutorial"', 'name = "../up"'),
-        "s.toml, name: found '../up', expected words of small letters and digits joined by hyphens",
+        "s.toml, name: found '../up', expected lower-case letters and digits joined by hyphens",
     ),
     "negative force": (
         TUTORIAL.replace("force_n = 1.0", "force_n = -1.0"),
