@@ -115,7 +115,7 @@ def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> 
     stated = procedure.get(name, fields[name].default)
     rates = stated if isinstance(stated, list | tuple) else (stated,)
     found = f"{', '.join(f'{rate:g}' for rate in rates)}{'' if name in procedure else ' by default'}"
-    found += f"  in the task {task.get('kind')}"
+    found += f" in the task {task.get('kind')}"
     if task.get("kind") == "forced_choice":
         chance = 1 / task.get("n_intervals", 2)
         is_near = any(abs(rate - chance) <= GUESS_RATE_TOLERANCE for rate in rates)
