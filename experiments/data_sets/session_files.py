@@ -106,7 +106,7 @@ def edit_warnings(path: Path) -> list[str]:
         return []
     differ = "differs from its journal" if len(texts) == 1 else "differ from their journals"
     return [
-        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, but they are analysed unchanged: "
+        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, but the tables are analysed unchanged: "
         f"{texts[0]}{'; tactometry validate lists all' if len(texts) > 1 else ''}"
     ]
 

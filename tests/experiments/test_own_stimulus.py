@@ -160,7 +160,10 @@ UNCHECKED = f"""        Unchecked = type("Unchecked", (Signal,), {{"__post_init_
         ((SIGNAL, "        return 1 / 0"), "found ZeroDivisionError (division by zero) in at, expected an answer"),
         ((SIGNAL, "        return 3.0"), "found 3.0 as the answer of at, expected a Signal (tactometry.signal)"),
         ((SIGNAL, SIGNAL.replace('"V"', '"m"')), "mine:Chirp.at(40): found a signal in 'm', expected the voltage at"),
-        ((SIGNAL, SIGNAL.replace("[None]", "[None, :900]")), "found a signal of 0.045 s, expected 0.5 s, its duration"),
+        (
+            (SIGNAL, SIGNAL.replace("[None]", "[None, :900]")),
+            "found a signal of 0.045 s, expected 0.5 s, as stated by its duration",
+        ),
         (
             (SIGNAL, SIGNAL.replace("[None]", "[None] * 1j")),
             "Signal.samples: found values of type complex128, expected",

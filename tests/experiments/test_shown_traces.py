@@ -59,7 +59,7 @@ def test_show_refuses_folder_without_data_set(tmp_path, capsys):
 def test_show_says_which_trial_and_whose_it_wants(capsys, tmp_path):
     status, errors, _ = call(capsys, "show", RECORDED_TRACES, "--trial", 99)
     assert status == 2
-    assert "trial: found 99, expected one of participant-P01_session-1_study-tutorial, from 1 to 2" in errors
+    assert "trial: found 99, expected a trial of participant-P01_session-1_study-tutorial, from 1 to 2" in errors
     status, errors, _ = call(capsys, "show", RECORDED_TRACES, "--trial", 1, "--participant", "P02")
     assert (status, "found 0 sessions of P02, expected one; state its participant" in errors) == (2, True)
     assert call(capsys, "show", RECORDED_TRACES, "--trial", 1, "--figure", tmp_path / "t.doc")[0] == 2
