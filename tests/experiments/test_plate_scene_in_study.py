@@ -83,8 +83,8 @@ ON_A_PLATE = {
     ),
     "a scene on the other surface": (
         'name = "electrovibration-panel"',
-        "scene.name: found 'electrovibration-panel', a scene on 'electrovibration', expected a scene on 'time_reversal', "
-        "such as 'a4-screen'",
+        "scene.name: found 'electrovibration-panel', a scene on 'electrovibration', expected a scene on "
+        "'time_reversal', such as 'a4-screen'",
     ),
     "a scene without a threshold": ('name = "thin-screen"', "add the effect focus_detection"),
     "a finger that lifts off": (
