@@ -111,7 +111,9 @@ RECORDED = {"hand": {"kind": "recorded", "path": "old.csv", "rate_hz": 1e3}}
 def test_touched_output_is_gated_by_a_finger_sensor(kind):
     gain = {**gain_table(CHAINS[kind]), "measured_on": TODAY}
     alone = bench_of(kind, gain, screen={})
-    with pytest.raises(InvalidParameter, match=r"^force: found none, expected the sensor .*ungated = true in .output"):
+    with pytest.raises(
+        InvalidParameter, match=r"^force: found none, expected a force sensor .*ungated = true in .output"
+    ):
         alone.devices(STUDY, TODAY)
     assert alone.devices(STUDY, TODAY, touched=False).force is None
     recorded = bench_of(kind, gain, sensors=RECORDED, force=FORCE["force"])
