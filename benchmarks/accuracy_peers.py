@@ -1,9 +1,9 @@
-"""Record other programs on the problems of `tactometry cost`, for its figures.
+"""Run other programs on the accuracy problems of `tactometry cost`, and record their points.
 
     OMP_NUM_THREADS=1 python benchmarks/accuracy_peers.py [PROBLEM ...]
 
-The peers run interleaved with our settings on one thread. The rows of the problems that ran are replaced in
-`experiments/accuracy/peers.csv`, with the time of our finest setting in the same run as yardstick.
+The other programs take turns with our settings on one thread. The rows of these problems are replaced in
+`experiments/accuracy/peers.csv`. Each row contains the time of our finest setting in the same run as a yardstick.
 """
 
 import csv

@@ -1,4 +1,4 @@
-"""Analyses: ANOVA against pingouin and statsmodels, and reading a million trials.
+"""Time ANOVAs compared with pingouin and statsmodels, and the reading of a million trials.
 
 `python benchmarks/analysis.py`
 """
@@ -28,7 +28,7 @@ PEER: dict[str, Any] = {"dv": "threshold", "within": WITHIN, "subject": "partici
 
 
 def anova(rng: np.random.Generator) -> None:
-    """Compare two-factor analyses of 10 and of 200 participants."""
+    """Time two-factor analyses of 10 and of 200 participants."""
     small, large = values(10, rng), values(200, rng)
     calls = {"ours": partial(repeated_measures, small, **OURS), "pingouin": partial(of_pingouin, small)}
     took = interleaved(calls | {"permutations": partial(permutation_test, small, **OURS)}, 15)
@@ -58,7 +58,7 @@ HEADER = (
 
 
 def reading(rng: np.random.Generator) -> None:
-    """Read a million trials from a CSV file, by the fast reader and by the other."""
+    """Time the reading of a million trials from a CSV file, with the fast and the tolerant reader."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "large.csv"
         write(path, rng)

@@ -1,4 +1,4 @@
-"""Threshold fits against psignifit and scipy, in one run: `python benchmarks/analysis_fits.py`."""
+"""Time threshold fits compared with psignifit and scipy, in one run: `python benchmarks/analysis_fits.py`."""
 
 import tracemalloc
 import warnings
@@ -22,7 +22,7 @@ FORCED = {"shape": "normal", "guess_rate": 0.5}
 
 
 def seconds(call: Callable[[], object], repeats: int = 3) -> float:
-    """Return the shortest time of some calls after a warm-up."""
+    """Return the shortest time of several calls, after a warm-up."""
     return min(interleaved({"call": call}, repeats)["call"])
 
 
@@ -37,7 +37,7 @@ def log_posterior(k: np.ndarray) -> LogPosterior:
 
 
 def nelder_mead(k: np.ndarray) -> None:
-    """Maximise the same log posterior, one set at a time."""
+    """Maximise the same log posterior by Nelder-Mead, one set at a time."""
     for row in k:
         posterior = log_posterior(row[None])
 
@@ -52,7 +52,7 @@ def nelder_mead(k: np.ndarray) -> None:
 
 
 def psignifit_s(k: np.ndarray, experiment: str) -> float:
-    """Return the time of psignifit per set."""
+    """Return psignifit's time per set."""
 
     def fit_all() -> None:
         for row in k:
@@ -73,7 +73,7 @@ def megabytes(call: Callable[[], object]) -> float:
 
 
 def largest_error(k: np.ndarray) -> float:
-    """Return the largest relative error of interval lengths in a batch, against fits of single sets."""
+    """Return the largest relative error of interval lengths in a batch, compared with fits of single sets."""
     errors = [0.0]
     for row, found in zip(k, fit_many(LEVELS, k, N_TRIALS, **FORCED), strict=True):
         alone = fit(LEVELS, row, N_TRIALS, **FORCED)

@@ -1,8 +1,9 @@
-"""Errors of group statistics, simulated: `python benchmarks/analysis_group_errors.py [STUDIES]`.
+"""Simulate errors of group statistics: `python benchmarks/analysis_group_errors.py [STUDIES]`.
 
-Ten participants, four conditions or 3 x 4 (the interaction). Prints in per cent: false alarms and power of the analysis
-of variance under each correction, false alarms and coverage where values are bounds, coverage of simultaneous intervals
-and of intervals within participants. 10 000 studies (a tenth with bounds) take five minutes.
+Studies have ten participants and four conditions, or 3 x 4 conditions (for the interaction). All results are in per
+cent: false alarms and power of the analysis of variance with each correction, false alarms and coverage if some values
+are bounds, and coverage of simultaneous intervals and of intervals within participants. 10 000 studies (a tenth with
+bounds) take five minutes.
 """
 
 import sys
@@ -30,7 +31,7 @@ GIVEN: dict[str, Any] = {"dependent": "y", "low": "low", "high": "high", "within
 
 
 def detected(values: np.ndarray, design: str) -> dict[str, float]:
-    """Return the share of studies with p < 5 % by each test."""
+    """Return the share of studies with p < 5 % in each test."""
     scores = values @ contrasts(*DESIGNS[design]).T
     effects = [ContrastEffect(("x",), each) for each in scores]
     shapes = np.array([(1.0, *epsilons(effect.covariance, N - 1)) for effect in effects])
@@ -51,9 +52,10 @@ def of_variance(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]
 
 
 def of_bounds(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:
-    """Yield results where values below a cut are bounds.
+    """Yield results for data in which values below a cut are bounds.
 
-    `answered` studies have two known values in each condition and a maximum; `mean` and `noisy mean` are coverages.
+    `answered` is the share of studies with two known values in each condition and a maximum of the likelihood. `mean`
+    and `noisy mean` are coverages.
     """
     keys = pd.MultiIndex.from_product([range(N), range(4)], names=["who", "x"]).to_frame(index=False)
     for errors, share in product(ERRORS, CUTS):
@@ -71,7 +73,7 @@ def of_bounds(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:
 
 
 def of_intervals(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:
-    """Yield coverage of simultaneous intervals of six pairs, and overlap of intervals within participants."""
+    """Yield the coverage of simultaneous intervals for six pairs, and the overlap of intervals within participants."""
     places, t = list(combinations(range(4), 2)), student.isf(0.025, N - 1)
     for errors in ERRORS:
         values, rows = studies(errors, N, n, rng), []

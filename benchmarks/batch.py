@@ -1,11 +1,11 @@
-"""Sessions per second in batches, compared with PsychoPy and questplus.
+"""Count sessions per second in batches, compared with PsychoPy and questplus.
 
-The peers are loops with PsychoPy's StairHandler and questplus. Tracks with mode fits are timed too.
+The compared programs are loops with PsychoPy's StairHandler and with questplus. Tracks with mode fits are timed too.
 
     OMP_NUM_THREADS=1 python benchmarks/batch.py [--sets 2000] [--peers 20] [--batches 4]
 
-Times are of one core, after imports and compilation. A `table` gives the sensation level of each level, as a scene
-does. With --tracks 1000000 [--out DIR] [--jobs 2] instead: so many tracks, fitted and written to Parquet; an
+Times are for one core, after imports and compilation. A `table` states the sensation level of each level, like a scene.
+With --tracks 1000000 [--out DIR] [--jobs 2], this number of tracks is fitted and written to Parquet instead. An
 interrupted run with --out continues.
 """
 
@@ -56,7 +56,7 @@ def ours(rule: Staircase | QuestPlus, n_trials: int, n_sets: int, table: LevelTa
 
 
 def person(table: LevelTable | None, rng: np.random.Generator) -> Callable[[float], bool]:
-    """Return the answers of one person by the Gumbel function in closed form."""
+    """Return a function that simulates one participant's answers by a Gumbel function."""
     threshold = PEOPLE.threshold + PEOPLE.threshold_sd * float(rng.standard_normal())
     curve, (width, guess, lapse) = shape_named(PEOPLE.shape), CURVE
 
@@ -112,7 +112,7 @@ def compare(n_sets: int, n_peers: int) -> None:
 
 
 def fit_some(numbers: range) -> float:
-    """Return the processor time of some batches, after compilation."""
+    """Return the processor time of several batches, after compilation."""
     list(fitted_tracks(STAIRCASE, PEOPLE, (ENDLESS,), 1, n_trials=N_TRIALS))
     return run_once(lambda: list(fitted_tracks(STAIRCASE, PEOPLE, numbers, 1, n_trials=N_TRIALS)))[0]
 
@@ -120,7 +120,7 @@ def fit_some(numbers: range) -> float:
 def fits(n_batches: int) -> None:
     shares = [range(n_batches), range(n_batches, 2 * n_batches)]
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-        list(pool.map(fit_some, (range(0), range(0))))  # both have compiled
+        list(pool.map(fit_some, (range(0), range(0))))  # both processes have compiled
         took_s, busy_s = [], []
         for jobs in (shares[:1], shares):
             began_s = time.perf_counter()
@@ -134,7 +134,7 @@ def fits(n_batches: int) -> None:
 
 
 def write(n_tracks: int, n_jobs: int, out: Path) -> None:
-    """Write all tracks, by processes whose imports count."""
+    """Write all tracks, in processes whose import times count."""
     run, began_s = TrackRun(STAIRCASE, PEOPLE, math.ceil(n_tracks / BATCH), 1, n_trials=N_TRIALS), time.perf_counter()
     with workers(n_jobs) as spread:
         paths = list(write_tracks(run, out, resume=True, spread=spread))
@@ -157,7 +157,7 @@ def main() -> None:
         with TemporaryDirectory() as folder:
             write(said.tracks, said.jobs, said.out or Path(folder))
         return
-    warnings.simplefilter("ignore")  # of the peers' imports
+    warnings.simplefilter("ignore")  # warnings of the other programs' imports
     compare(said.sets, said.peers)
     fits(said.batches)
 

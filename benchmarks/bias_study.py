@@ -1,4 +1,4 @@
-"""Simulate participants, and print the tables of docs/reference/analysis.md and docs/explanation/statistics.md.
+"""Simulate participants, and print tables for docs/reference/analysis.md and docs/explanation/statistics.md.
 
     python benchmarks/bias_study.py STUDY [--n N] [--seed SEED] [--csv FILE]
 
@@ -30,12 +30,12 @@ RATE: Format = lambda value: f"{100 * value:g}"  # noqa: E731
 
 
 def digits(form: str) -> Format:
-    """Return a format of numbers; NaN is empty."""
+    """Return a function that formats numbers. NaN becomes an empty text."""
     return lambda value: "" if np.isnan(value) else format(value, form)
 
 
 def markdown(found: pd.DataFrame, columns: Mapping[str, tuple[str, Format]]) -> str:
-    """Return a table with a head and a format for each column."""
+    """Return a Markdown table, with a head and a format for each column."""
     rows = [[form(row[name]) for name, (_, form) in columns.items()] for row in found.to_dict("records")]
     return table([head for head, _ in columns.values()], rows)
 
@@ -55,13 +55,16 @@ STATUS_COLUMNS = {
 
 
 def status_table(outcomes: pd.DataFrame, by: list[str]) -> str:
-    """Return the operating characteristics of each group of outcomes."""
+    """Return a table of operating characteristics for each group of outcomes."""
     keys = {name: (name.replace("_", " "), str) for name in by}
     return markdown(statuses.summary(outcomes, by), keys | STATUS_COLUMNS)
 
 
 def of_statuses(n_sets: int, seed: int) -> str:
-    """Return tables by place and number of trials (40 outside), and inside for 40 trials by procedure and by task."""
+    """Return tables by place and number of trials. Places outside have 40 trials.
+
+    Further tables for 40 trials inside the levels are by procedure and by task.
+    """
     outcomes = pd.concat(statuses.outcomes_of(statuses.settings(), n_sets, np.random.default_rng(seed)))
     places = list(dict.fromkeys(outcomes["place"]))
     is_forty = outcomes["n_trials"] == 40
@@ -75,7 +78,7 @@ def of_statuses(n_sets: int, seed: int) -> str:
 
 
 def of_estimates(n_sets: int, seed: int) -> str:
-    """Return a row for each design and lapse rate, with the normal and the Gumbel truth in each cell."""
+    """Return a row for each design and lapse rate. Cells have values for a normal and a Gumbel truth."""
     outcomes = pd.concat(estimates.outcomes_of(n_sets, np.random.default_rng(seed)))
     found = estimates.summary(outcomes)
     forms = {"bias": digits("+.2f"), "covered": PERCENT, "length_db": digits(".1f"), "flat": PERCENT}
@@ -91,7 +94,7 @@ def of_estimates(n_sets: int, seed: int) -> str:
 
 
 def of_comparisons(n_sets: int, seed: int, **options: Any) -> str:
-    """Return coverage of JND and PSE for each person."""
+    """Return the coverage of JND and PSE for each simulated participant."""
     rng = np.random.default_rng(seed)
     fit = options or comparisons.FIT
     found = comparisons.summary(pd.concat(comparisons.outcomes_of(comparisons.PEOPLE, n_sets, rng, fit)))
@@ -114,7 +117,7 @@ EQUAL_ASYMPTOTES = {**comparisons.FIT, "equal_asymptotes": True, "lapse_beta": 8
 
 
 def of_standards(n_studies: int, seed: int) -> str:
-    """Return PSE and false effects of standards near threshold, with equal and with free asymptotes."""
+    """Return PSEs and false effects for standards near threshold, with equal and with free asymptotes."""
     columns = {
         "above_db": ("standard above threshold / dB", digits("g")),
         "rate": ("rate at lowest level", digits(".2f")),
@@ -130,7 +133,7 @@ def of_standards(n_studies: int, seed: int) -> str:
 
 
 def of_groups(n_studies: int, seed: int, csv: Path) -> str:
-    """Return coverage of the hierarchical intervals with standard errors."""
+    """Return the coverage of hierarchical intervals, with standard errors."""
     done = int(pd.read_csv(csv)["study"].max()) + 1 if csv.exists() else 0
     for each in groups.outcomes_of(range(done, n_studies), seed):
         each.to_csv(csv, mode="a", header=not csv.exists(), index=False)
@@ -147,7 +150,7 @@ def of_groups(n_studies: int, seed: int, csv: Path) -> str:
 
 
 def of_lapses(n_studies: int, seed: int) -> str:
-    """Return false effects of lapses, by share of easy trials."""
+    """Return false effects due to lapses, by share of easy trials."""
     found = pd.DataFrame(lapses.outcomes_of(n_studies, np.random.default_rng(seed)))
     found["lapses"] = [f"{RATE(first)} and {RATE(second)}" for first, second in found[["first", "second"]].to_numpy()]
     columns = {

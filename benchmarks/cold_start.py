@@ -1,8 +1,9 @@
-"""Time of commands and built-in scenes from a cold start.
+"""Time commands and built-in scenes from a cold start.
 
-Runs of whole processes alternate with those of a bare interpreter.
+Runs of whole processes take turns with runs of a bare interpreter.
 
-Times of commands are processor times of the child; those of scenes are by the clock, for a quiet machine.
+Times of commands are processor times of the child process. Times of scenes are wall-clock times and require a quiet
+machine.
 """
 
 import os
@@ -32,7 +33,7 @@ NUMPY = [sys.executable, "-c", "import numpy"]
 
 
 def child(command: list[str]) -> tuple[float, float]:
-    """Return time by the clock and processor time (s) of a child that must succeed."""
+    """Run a child process, and return its wall-clock and processor time (s)."""
     start_s = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)

@@ -1,6 +1,6 @@
-"""Time to write a trial durably, compared with a plain fsync.
+"""Time the durable writing of a trial, compared with a plain fsync.
 
-An argument names a folder on the disk to measure.
+The optional argument is a folder on the disk to measure.
 """
 
 import os

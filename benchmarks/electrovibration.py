@@ -1,10 +1,11 @@
-"""Motion of skin and finger compared with `solve_ivp` and compiled RK4.
+"""Time the motion of skin and finger, compared with `solve_ivp` and compiled RK4.
 
     OMP_NUM_THREADS=1 python benchmarks/electrovibration.py
 
-50 ms, 288 outputs, one tau per row. For each peer the loosest setting with an error of 1e-3 of the largest
-deflection counts; peers restart at every kink of the voltage, with a plain and a compiled right-hand side. The
-reference is the mechanical equation under the closed-form force at 1e-12. Accuracy problems compare stick and slip.
+Signals of 50 ms with 288 outputs are computed, with one tau per row. For each solver, the loosest setting with an error
+below 1e-3 of the largest deflection counts. Solvers restart at every kink of the voltage, with a plain and a compiled
+right-hand side. The reference solves the mechanical equation with the closed-form force at 1e-12. Accuracy problems
+cover stick-slip motion.
 """
 
 from collections.abc import Callable, Iterable
@@ -41,7 +42,10 @@ METHODS, EXPLICIT = ("LSODA", "RK45", "RK23", "DOP853", "Radau", "BDF"), ("RK45"
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def rhs(t: float, y: Real, p: Real) -> Real:
-    """(V_c', x', v') with V_c the capacitor's voltage: V_sc = k (V - V_c); p holds the piece and the parameters."""
+    """Return (V_c', x', v') with the capacitor's voltage V_c, where V_sc = k (V - V_c).
+
+    `p` contains the parameters of the voltage piece and of the equations.
+    """
     voltage = p[0] + p[1] * (t - p[2]) + p[3] * np.cos(p[4] * t) - p[5] * np.sin(p[4] * t)
     layer = voltage - y[0]
     out = np.empty(3)
@@ -53,7 +57,7 @@ def rhs(t: float, y: Real, p: Real) -> Real:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def rk4(y: Real, start: float, stop: float, n_steps: int, p: Real, at: Real) -> tuple[Real, Real]:
-    """Step equally; return deflections at `at` (cubic between steps) and the last state."""
+    """Take equal steps, and return deflections at `at` (cubic interpolation) and the last state."""
     h, found, here = (stop - start) / n_steps, np.empty(len(at)), 0
     for i in range(n_steps):
         t = start + i * h
@@ -83,7 +87,7 @@ def parameters(pieces: Pieces, form: ForceForm, piece: int) -> Real:
 
 
 def over_pieces(leg: Callable[[Real, float, float, Real, Real], tuple[Real, Real]]) -> Solver:
-    """Return a solver for the deflections at `T_S` that restarts at each piece."""
+    """Return a solver for the deflections at `T_S`, which restarts at each piece."""
 
     def solve(pieces: Pieces, form: ForceForm) -> Real:
         y, found = np.zeros(3), []
@@ -142,7 +146,7 @@ def reference(pieces: Pieces, form: ForceForm) -> Real:
 
 
 def loosest_s(solvers: Iterable[Solver], pieces: Pieces, form: ForceForm, truth: Real, goal: float) -> float:
-    """Return the median time of the first solver that reaches an error, or NaN."""
+    """Return the median time of the loosest solver that reaches an error, or NaN."""
     for solver in solvers:
         with np.errstate(all="ignore"):
             error = np.abs(solver(pieces, form) - truth).max() / np.abs(truth).max()

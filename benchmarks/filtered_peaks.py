@@ -1,10 +1,10 @@
-"""Peaks between samples: error and time of the output guard.
+"""Measure error and time of the output guard's peaks between samples.
 
-Measured are:
+The results are:
 
-- error by the number of points per sample, against a dense interpolation;
-- error by the reach of the filter, for white noise, against the FFT of all samples with zeros around them;
-- processor time of the checks of a guard over the duration of the signal.
+- the error by number of points per sample, compared with a dense interpolation,
+- the error by reach of the filter for white noise, compared with an FFT of all samples with zeros around them, and
+- the processor time of a guard's checks over the duration of the signal.
 """
 
 import math
@@ -25,7 +25,7 @@ FORMATS = {"1 channel at 48 kHz": (1, 48e3), "8 channels at 192 kHz": (8, 192e3)
 
 
 def exact(samples: FloatArray, n_points: int) -> float:
-    """Return the peak of the ideal course, by zeros around the samples and an FFT with more points."""
+    """Return the peak of the ideal interpolation, from an FFT with more points and zeros around the samples."""
     n = 1 << (64 * len(samples) - 1).bit_length()
     spectrum = np.zeros(n * n_points // 2 + 1, complex)
     spectrum[: n // 2 + 1] = np.fft.rfft(samples, n)
@@ -34,7 +34,7 @@ def exact(samples: FloatArray, n_points: int) -> float:
 
 
 def largest_error(n_samples: int, n_points: int) -> Callable[[], float]:
-    """Return a function that computes the largest error (%) of the peaks of noises with the present constants."""
+    """Return a function that computes the largest error (%) of peaks of noise with the current constants."""
     noises = [np.random.default_rng(seed).uniform(-1.0, 1.0, n_samples) for seed in range(N_NOISES)]
     peaks = [exact(noise, n_points) for noise in noises]
 
@@ -88,7 +88,7 @@ SIGNALS: dict[str, Callable[[FloatArray], FloatArray]] = {
 
 
 def times() -> None:
-    """Time the checks; a limit of current is 1.5 times the current of straight lines between the samples."""
+    """Time the checks. The current limit is 1.5 times the current for straight lines between samples."""
     for format_name, (n_channels, rate_hz) in FORMATS.items():
         at_s = np.arange(round(rate_hz)) / rate_hz
         for name, course in SIGNALS.items():

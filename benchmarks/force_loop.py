@@ -1,10 +1,11 @@
-"""Delay from a force sensor to the decision while a window draws.
+"""Measure the delay from a force sensor to the gate's decision while a window draws.
 
-The window draws at 60 Hz, idle or busy for 8 ms per frame.
+The window draws at 60 Hz, and the program is idle or busy for 8 ms per frame.
 
-For each connection (serial line, LSL, UDP): the delay from the sample that opens the gate to the decision in the
-reader's thread, by the `AppliedForce` and `Trigger` of a touch; that of PsychoPy's usual reading of the newest sample
-in each frame; lost samples and early decisions. Needs a display or Xvfb, and the extras window, serial and lsl.
+The results for each connection (serial line, LSL, UDP) are the delay from the sample that opens the gate to the
+decision in the reader's thread, lost samples, and early decisions. The decision uses the `AppliedForce` and `Trigger`
+of a touch. The delay is compared with reading the newest sample in each frame, as usual with PsychoPy. Requires a
+display or Xvfb, and the extras window, serial and lsl.
 """
 
 import os
@@ -29,7 +30,7 @@ PROFILE = "0.05:30,0.25:100"
 
 
 def with_display() -> None:
-    """Set DISPLAY to a virtual server that ends with this process, unless there is one."""
+    """Set DISPLAY, if not set, to a virtual server that ends with this process."""
     if "DISPLAY" in os.environ:
         return
     read_end, write_end = os.pipe()
@@ -41,7 +42,7 @@ def with_display() -> None:
 
 
 class Gated:
-    """Decisions of a gate in the reader's thread, with a new gate after each opening."""
+    """Recorder of a gate's decisions in the reader's thread. A new gate follows each opening."""
 
     def __init__(self, reader: Any) -> None:
         self.counters: list[float] = []
@@ -76,12 +77,12 @@ class Gated:
 
 
 def age_s(now_s: float, taken_us: np.ndarray) -> np.ndarray:
-    """Return the age of samples whose times are microseconds modulo 2**31 of the common clock."""
+    """Return the age of samples. Their times are those of the common clock in microseconds, modulo 2**31."""
     return (now_s - taken_us * 1e-6 + 2**30 * 1e-6) % (2**31 * 1e-6) - 2**30 * 1e-6
 
 
 def peer_delays_s(window: Any, page: Any, listener: Any, work_s: float) -> list[float]:
-    """Draw for a while; return the delays of decisions from the newest sample of each frame."""
+    """Draw for a while, and return the delays of decisions from the newest sample of each frame."""
     every = newest = ForceGate(1.0, 0.2, HOLD_S)
     delays_s, opened_s, end_s = [], None, time.perf_counter() + LISTENED_S
     window.present(page)

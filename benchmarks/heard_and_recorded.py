@@ -1,8 +1,8 @@
-"""Recorded onsets of touches against the monitor of a real sound server.
+"""Compare recorded onsets of touches with the monitor of a real sound server.
 
-A console requests `N_TOUCHES` touches through the guard, PortAudio and PulseAudio; the sink's monitor is recorded on
-the clock of the session, and again by another process sample by sample. Touches that were heard torn must not be
-recorded as whole. Needs PulseAudio and the extra audio.
+A console requests `N_TOUCHES` touches, played through the guard, PortAudio and PulseAudio. The sink's monitor is
+recorded with the session's clock, and again by another process, sample by sample. Touches with gaps on the monitor must
+not be recorded as free of gaps. Requires PulseAudio and the extra audio.
 """
 
 import io
@@ -34,7 +34,7 @@ GATE = {"target_n": 1.0, "tolerance": 0.2, "hold_s": PAUSE_S, "timeout_s": 30.0}
 
 
 class Monitor:
-    """Samples of the sink with times on `time.perf_counter`."""
+    """Recorder of the sink's samples, with times of `time.perf_counter`."""
 
     def __init__(self) -> None:
         import sounddevice
@@ -51,7 +51,7 @@ class Monitor:
         self._blocks.append(frames[:, 0].copy())
 
     def end(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return samples and times, whose offset is the median over ten seconds around each block."""
+        """Return samples and times. The clock offset is the median over ten seconds around each block."""
         self._stream.stop()
         lengths = [len(block) for block in self._blocks]
         offsets_s = np.array(self._times_s) - np.cumsum([0, *lengths])[:-1] / RATE_HZ
@@ -62,7 +62,7 @@ class Monitor:
 
 
 class Noise:
-    """Stimulus with different samples for each level, none of them zero."""
+    """Stimulus with different non-zero samples for each level."""
 
     level_unit = "V"
 
@@ -78,7 +78,7 @@ def console(output: Any) -> Console:
 
 
 def touches(rig: Console) -> Iterator[tuple[float, int]]:
-    """Yield onset on `time.perf_counter` and gaps of each touch, as recorded."""
+    """Yield the recorded onset (`time.perf_counter`) and number of gaps of each touch."""
     for n in range(N_TOUCHES):
         touched = rig.answer(Press("noise", float(n), DURATION_S, **GATE))
         yield touched.onset_s + rig._supervisor.zero_s, touched.n_gaps
@@ -91,7 +91,7 @@ def first_heard_s(samples: np.ndarray, times_s: np.ndarray, onset_s: float) -> f
 
 
 def is_in(samples: np.ndarray, wanted: np.ndarray) -> bool:
-    """Return True if a record contains all of `wanted`, to the last bits of 16."""
+    """Return True if a record contains all of `wanted`, within the rounding to 16 bits."""
     begins = np.flatnonzero((np.abs(samples[: -len(wanted)] - wanted[0]) < ROUNDING) & (samples[: -len(wanted)] != 0))
     return any(np.abs(samples[begin : begin + len(wanted)] - wanted).max() < ROUNDING for begin in begins)
 

@@ -1,7 +1,9 @@
-"""Sizes of an installation on the disk: `python benchmarks/install_size.py [PAGE]` also updates docs/how_to/install.md.
+"""Measure the disk size of an installation: `python benchmarks/install_size.py [PAGE]`.
 
-The core is installed into an empty virtual environment under the constraints, then one extra after the other. The size
-of a package includes packages that only it requires; pip and setuptools are not counted.
+With PAGE, docs/how_to/install.md is updated.
+
+The core and then each extra are installed into an empty virtual environment, with the constraints. The size of a
+package includes packages that no other package requires. pip and setuptools are excluded.
 """
 
 import json
@@ -19,35 +21,35 @@ from tactometry.experiments.harness import table
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 REASONS = {
-    "numpy": "arrays: every signal, every table",
+    "numpy": "arrays: signals and tables",
     "scipy": "distributions, special functions, filters, searches: the physics and the fits",
-    "numba": "machine code of loops: the finger that sticks and slips, the plate in time, thousands of tracks at once",
-    "pandas": "tables of trials and of results",
-    "statsmodels": "analyses of variance of three factors and of groups, mixed models",
+    "numba": "compiled loops: stick-slip friction, plate motion, thousands of tracks at once",
+    "pandas": "tables of trials and results",
+    "statsmodels": "analyses of variance with three factors or groups, mixed models",
     "pingouin": "analyses of variance within participants, corrections, tests of assumptions",
-    "matplotlib": "figures, and the report",
+    "matplotlib": "figures and reports",
     "pillow": "images on pages, height maps of textures",
-    "msgspec": "journals and study files, read strictly",
-    "annotated-types": "constraints of arguments and keys, as annotations",
-    "tomlkit": "a bench file that is changed keeps its comments (`calibrate --write`)",
+    "msgspec": "strict reading of journals and study files",
+    "annotated-types": "annotations with constraints of arguments and keys",
+    "tomlkit": "editing of bench files that keeps comments (`calibrate --write`)",
     "click": "the command line",
     "rich": "tables and progress in the terminal",
     "jinja2": "the pages of reports and of `watch`",
-    "joblib": "work on several cores (`--jobs`)",
-    "portalocker": "one session at a time writes a journal",
-    "platformdirs": "the folder for what outputs of the computer played",
-    "threadpoolctl": "threads of linear algebra: told by `check`, held while time is measured",
+    "joblib": "computation on several cores (`--jobs`)",
+    "portalocker": "locks, so that only one session writes a journal",
+    "platformdirs": "folder for the record of played signals",
+    "threadpoolctl": "threads of linear algebra: shown by `check`, limited during time measurements",
 }
 EXTRAS = {
     "power": "Parquet files: `power --out`, `write_tracks`",
     "audio": "sound cards as outputs, microphones as sensors",
     "serial": "sensors on a serial line",
-    "lsl": "sensors of Lab Streaming Layer",
+    "lsl": "sensors via Lab Streaming Layer",
     "ni": "NI cards",
     "hdf5": "impulse responses in HDF5 files",
     "film": "films of scenes",
     "watch": "the experimenter's page of a session",
-    "cluster": "`--scheduler`: work on a Dask cluster",
+    "cluster": "computation on a Dask cluster (`--scheduler`)",
     "window": "sessions in a PsychoPy window",
 }
 INSTALLED = """
@@ -61,11 +63,11 @@ print(json.dumps({d.name: [sum(map(size, d.files or [])), d.requires or []] for 
 OURS = "tactometry"
 BEGIN, END = "<!-- sizes: begin -->", "<!-- sizes: end -->"
 Packages = dict[str, tuple[float, set[str]]]
-"""Each package with its MB and its requirements."""
+"""Size (MB) and requirements of each package."""
 
 
 class Environment:
-    """An empty virtual environment for our packages."""
+    """Virtual environment for Tactometry and its packages, empty at first."""
 
     def __init__(self, place: Path) -> None:
         subprocess.run([sys.executable, "-m", "venv", place], check=True)
@@ -76,7 +78,7 @@ class Environment:
         subprocess.run([self.python, "-m", "pip", *command, *pinned], check=True, capture_output=True, cwd=ROOT)
 
     def downloaded_mb(self) -> float:
-        """Return the size of the wheels of the core."""
+        """Return the size (MB) of the core's wheels."""
         with tempfile.TemporaryDirectory() as folder:
             self.pip("download", "--dest", folder, ".")
             return sum(file.stat().st_size for file in Path(folder).iterdir() if OURS not in file.name) / 1e6
@@ -92,13 +94,13 @@ class Environment:
 
 
 def needs(requirements: list[str]) -> set[str]:
-    """Return the names of requirements that apply here, without extras."""
+    """Return the names of requirements that apply to this environment, without extras."""
     wanted = map(Requirement, requirements)
     return {canonicalize_name(one.name) for one in wanted if not one.marker or one.marker.evaluate({"extra": ""})}
 
 
 def brought(packages: Packages, direct: list[str]) -> dict[str, list[str]]:
-    """Return the packages that come with each direct one, and with none before it."""
+    """Return the packages that each direct requirement adds to those before it."""
     left, found = packages.keys() - set(direct), {}
     for name in direct:
         waiting, mine = list(packages[name][1]), set()
@@ -121,7 +123,7 @@ def core_table(packages: Packages) -> str:
 
 
 def extras_table(environment: Environment) -> str:
-    """Return each extra with its size in addition to those above it."""
+    """Return a table of extras, with the size that each adds to those above it."""
     rows, before = [], environment.total_mb()
     for extra, reason in EXTRAS.items():
         environment.pip("install", f".[{extra}]")
@@ -136,7 +138,7 @@ def megabytes(size: float) -> str:
 
 
 def page_text(text: str, tables: str) -> str:
-    """Return a page with the tables between its marks."""
+    """Return a page with updated tables between its marks."""
     head, _, rest = text.partition(BEGIN)
     return f"{head}{BEGIN}\n\n{tables}\n\n{END}{rest.partition(END)[2]}"
 

@@ -1,4 +1,4 @@
-"""Mutation run over limits, loads, guard and ledger: each single change of the code must fail a test.
+"""Mutation testing of limits, loads, guard and ledger. Each single change of the code must fail a test.
 
 Run: python benchmarks/limits_mutation.py
 """
@@ -32,7 +32,7 @@ TESTS = {
     "tactometry/devices/outputs/guarded.py": (GUARD, PLAYED, EXPOSURE, LEDGER, OUTPUTS, STOP),
     "tactometry/devices/outputs/emission_ledger.py": (LEDGER, GUARD),
 }
-"""Tests of each module, without those that need a display."""
+"""Tests of each module, except those that require a display."""
 PREPENDED = "signed, absolute = (np.diff(course, axis=1, prepend=0.0) for course in (self.passed_c, self.absolute_c))"
 INSIDE = "inside = (slope != 0) & ((turning_v - before) * (turning_v - after) < 0)"
 SEARCHED = "_check(name, what, peak(limit * (1 + TOLERANCE)), limit, unit, cure, TOLERANCE)"
@@ -47,7 +47,7 @@ EQUAL = {
     "database.execute(\"PRAGMA synchronous = OFF\"): database.execute('PRAGMA synchronous = OFF') -> pass": "speed",
     "if self.driver.n_gaps(0.0):: 0.0 -> 1.0": "time to wait for an answer",
 }
-"""Changes without an observable effect, and why."""
+"""Changes without an observable effect, and the reason."""
 SWAPS: dict[type[ast.AST], Any] = {
     ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
     ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In,
@@ -57,7 +57,7 @@ NAMES = {"min": "max", "max": "min", "floor": "ceil", "ceil": "floor", "minimum"
 
 
 def changed(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the changed forms of one node of a syntax tree."""
+    """Yield the mutated forms of one node of a syntax tree."""
     match node:
         case ast.Compare(left=left, ops=[op], comparators=others) if type(op) in SWAPS:
             yield ast.Compare(left, [SWAPS[type(op)]()], others)
@@ -80,7 +80,7 @@ def changed(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def fields(node: ast.AST) -> Iterator[tuple[Any, Any, ast.AST]]:
-    """Yield container, place and child of each node below one, without error texts and types."""
+    """Yield container, place and child of each node below one, except error texts and types."""
     for name, value in ast.iter_fields(node):
         if name in {"annotation", "returns", "decorator_list"} or isinstance(node, ast.Raise | ast.JoinedStr):
             continue
@@ -92,7 +92,7 @@ def fields(node: ast.AST) -> Iterator[tuple[Any, Any, ast.AST]]:
 
 
 def mutants(source: str) -> list[tuple[str, str]]:
-    """Return each change with its line, and the changed source."""
+    """Return a description of each change, and the changed source."""
     tree, lines, found = ast.parse(source), source.splitlines(), []
     for container, place, node in fields(tree):
         for form in changed(node):
@@ -104,7 +104,7 @@ def mutants(source: str) -> list[tuple[str, str]]:
 
 
 def is_killed(tree: Path, module: str, source: str) -> bool:
-    """Return True if a test of a module fails with this source in a copy of the project."""
+    """Return True if a test of a module fails with the changed source, in a copy of the project."""
     kept = (tree / module).read_text(encoding="utf-8")
     (tree / module).write_text(source, encoding="utf-8")
     options = ("-q", "-x", "-p", "no:cacheprovider", "--hypothesis-profile", "once", "--timeout", "60")
@@ -117,7 +117,7 @@ def is_killed(tree: Path, module: str, source: str) -> bool:
 
 
 def survivors(module: str, trees: "SimpleQueue[Path]") -> tuple[int, list[str]]:
-    """Return the number of mutants of a module, and those that no test notices."""
+    """Return the number of a module's mutants, and those that no test detects."""
     source = (ROOT / module).read_text(encoding="utf-8")
 
     def tried(mutant: str) -> bool:

@@ -1,4 +1,4 @@
-"""psignifit and questplus as settings of the problems of fits and posteriors."""
+"""Settings of accuracy problems with psignifit and questplus."""
 
 import warnings
 from functools import partial

@@ -1,4 +1,4 @@
-"""Newmark's and Verlet's methods and `solve_ivp` as settings of the problems of motion."""
+"""Settings of accuracy problems of motion with Newmark's and Verlet's methods and `solve_ivp`."""
 
 from functools import partial
 from typing import Any
@@ -44,7 +44,7 @@ def _stepped(step: Any, modes: Oscillators, factor: int) -> Real:
 
 @njit(cache=True)
 def newmark(omega, a, tone, h, factor, n):  # type: ignore[no-untyped-def]
-    """Step q'' + 2 a q' + w^2 q = sin(tone t) by average acceleration."""
+    """Solve q'' + 2 a q' + w^2 q = sin(tone t) by average acceleration."""
     out = np.zeros((len(omega), n))
     for i in range(len(omega)):
         q, v, acc, w2 = 0.0, 0.0, 0.0, omega[i] ** 2
@@ -59,7 +59,7 @@ def newmark(omega, a, tone, h, factor, n):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def verlet(omega, a, tone, h, factor, n):  # type: ignore[no-untyped-def]
-    """Step the same equation by central differences."""
+    """Solve the same equation by central differences."""
     out = np.zeros((len(omega), n))
     for i in range(len(omega)):
         before, now, w2 = 0.0, 0.0, omega[i] ** 2
@@ -92,7 +92,7 @@ def skin() -> list[Setting]:
 
 
 def _skin(method: str, tolerance: float) -> Real:
-    """Return the force while the voltage of the corneum relaxes."""
+    """Return the force while the voltage across the stratum corneum relaxes."""
     p, omega, at_s = Skin(), 2 * np.pi * electrovibration.FREQUENCY_HZ, electrovibration.sample_times_s(1)
 
     def slope(t: float, y: Real) -> Real:
@@ -110,7 +110,7 @@ def break_away() -> list[Setting]:
 
 
 def _smooth(tolerance: float) -> tuple[float, float]:
-    """Return the time at which friction, a steep smooth function of the speed, reaches 99 %."""
+    """Return the time at which friction reaches 99 %. Friction is a steep, smooth function of the speed."""
     finger, speed, width = electrovibration.pad(), electrovibration.SPEED_M_PER_S, 1e2 * tolerance
     limit_n = DryFriction().static * electrovibration.FORCE_N
 

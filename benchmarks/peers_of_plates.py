@@ -1,4 +1,4 @@
-"""Finite differences, finite elements and other bases as settings of the problems of plates."""
+"""Settings of accuracy problems of plates with finite differences, finite elements and other bases."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -32,7 +32,10 @@ def simply_supported() -> list[Setting]:
 
 
 def _differences_hz(plate: Plate, n: int, n_modes: int) -> Real:
-    """Square the five-point Laplacian, which is the plate's stencil of 13 points with edges S."""
+    """Return frequencies by finite differences.
+
+    The squared five-point Laplacian is the plate's 13-point stencil with simply supported edges.
+    """
     h = plate.length_m / n
     line = sparse.diags_array([1.0, -2.0, 1.0], offsets=[-1, 0, 1], shape=(n - 1, n - 1)) / h**2
     laplacian = sparse.kronsum(line, line, format="csc")
@@ -54,7 +57,10 @@ def _elements_hz(plate: Plate, n: int, n_modes: int) -> Real:
 
 
 def bogner_fox_schmit_hz(plate: Plate, n_x: int, n_y: int, n_modes: int) -> NDArray[np.float64]:
-    """Kirchhoff's bilinear form, natural edges, shift-inverted Lanczos; the rigid modes come first."""
+    """Return frequencies by Bogner-Fox-Schmit elements with free edges.
+
+    Shift-inverted Lanczos iteration finds them from Kirchhoff's bilinear form. The rigid modes come first.
+    """
     from scipy.sparse.linalg import eigsh
     from skfem import Basis, BilinearForm, ElementQuadBFS, MeshQuad
     from skfem.helpers import dd, ddot, trace
@@ -90,7 +96,7 @@ def _orthonormal(k: int) -> Polynomial:
 
 
 def _bare_hz(basis: Callable[[int], Polynomial], degree: int) -> Real:
-    """Solve the same Rayleigh quotient on other functions, without preparation."""
+    """Return frequencies from the same Rayleigh quotient with other basis functions, without preparation."""
     plate = plates.MIXED
     held = _family(plate.length_m, Polynomial([1, 0, -1]), [basis(k) for k in range(degree - 1)], 2)
     free = _family(plate.width_m, Polynomial([1]), [basis(k) for k in range(degree + 1)], 0)
@@ -106,7 +112,7 @@ def _bare_hz(basis: Callable[[int], Polynomial], degree: int) -> Real:
 
 
 def _family(length_m: float, edge: Polynomial, functions: Sequence[Polynomial], first: int) -> Family:
-    """Return `edge` times the functions, and their derivatives, as coefficients on orthonormal Legendre polynomials."""
+    """Return `edge` times the functions, and their derivatives, as coefficients of orthonormal Legendre polynomials."""
     whole = [edge * function for function in functions]
     n = max(function.degree() for function in whole) + 1
     tables = [_on_legendre([each.deriv(k) for each in whole], n) for k in range(3)]

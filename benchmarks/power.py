@@ -1,7 +1,7 @@
-"""Simulated studies of a power analysis with fits and tests: `python benchmarks/power.py`.
+"""Time simulated studies of a power analysis, with fits and tests: `python benchmarks/power.py`.
 
-Processor time of a study of 24 people that is tested for seven numbers of them, and of its sessions alone, without the
-first study of the process, which renders the stimuli.
+The results are the processor time of a study with 24 participants, tested for seven numbers of participants, and of its
+sessions alone. The first study of the process is excluded, as it renders the stimuli.
 """
 
 from dataclasses import replace

@@ -1,14 +1,15 @@
-"""Trials that rules of QUEST+ require, against the information bound.
+"""Count the trials that variants of QUEST+ require, compared with the information bound.
 
     OMP_NUM_THREADS=1 python benchmarks/procedures.py [--observers 1000]
 
-The observer is a cumulative normal of standard deviation SD_DB with 2 % lapses, whose threshold lies within 1.5
-standard deviations of the middle; thresholds are weighed within 2, levels go to 4. Slope and lapse rate are unknown to
-QUEST+: lapse rates of 0, 2 and 4 %, flat, and two priors of the standard deviation, log-normal about the true one with
-a factor of 1.5 (from half to twice) or flat from a quarter to four times (`wide`). The bound of the variance after N
-trials is K / N, where K is the least of p (1 - p) / (dp/dx)^2 over all levels: the ideal sweat factor (Taylor 1971;
-Taylor and Creelman 1967), for a known slope and lapse rate. `Task.bound_unknown` is that of the best placement with
-both unknown except for their prior (c-optimal design; Silvey 1980, ch. 3).
+The observer is a cumulative normal with standard deviation SD_DB and 2 % lapses. Its threshold lies within 1.5 standard
+deviations of the middle. The prior of thresholds extends to 2 standard deviations, and levels to 4. Slope and lapse
+rate are unknown to QUEST+. The prior of the lapse rate is flat over 0, 2 and 4 %. There are two priors of the standard
+deviation: log-normal about the true value with a factor of 1.5 (from half to twice), and flat from a quarter to four
+times (`wide`). For a known slope and lapse rate, the variance after N trials is at least K / N. K is the minimum of p
+(1 - p) / (dp/dx)^2 over all levels, the ideal sweat factor (Taylor 1971; Taylor and Creelman 1967).
+`Task.bound_unknown` is the bound for the best placement of levels if both are unknown except for their prior (c-optimal
+design; Silvey 1980, ch. 3).
 """
 
 import argparse
@@ -43,18 +44,18 @@ PAIRS = ((FIRST, WHOLE, 45), (WIDE_FIRST, WIDE, 45), (FIRST, WIDE, None))
 
 @dataclass(frozen=True)
 class Task:
-    """A task with the chance of 1 without a stimulus, and the required error after 160 trials (SD)."""
+    """Task, with its guess rate and the required error (SD) after 160 trials."""
 
     name: str
     guess: float
     rmse_asked: float = float("inf")
 
     def bound(self) -> float:
-        """Return the ideal sweat factor, in units of the observer's variance."""
+        """Ideal sweat factor, in units of the observer's variance."""
         return float(1 / np.square(self._slopes(np.linspace(-2, 3, 5001))[0]).max())
 
     def bound_unknown(self, n_trials: int) -> float:
-        """Return the least error (SD) with unknown slope and lapse rate, by the multiplicative algorithm."""
+        """Return the smallest error (SD) for unknown slope and lapse rate, by the multiplicative algorithm."""
         slopes = self._slopes(np.linspace(-4, 4, 161))
         prior = np.diag([1e-9, 1 / LOG_FACTOR**2, 1 / np.var(LAPSES)])
         weights = np.full(slopes.shape[1], 1 / slopes.shape[1])
@@ -65,7 +66,7 @@ class Task:
         return math.sqrt(variances[0, 0])
 
     def _slopes(self, z: np.ndarray) -> np.ndarray:
-        """Return slopes by threshold, log standard deviation and lapse rate over the answer's deviation."""
+        """Return derivatives by threshold, log standard deviation and lapse rate, over the answer's SD."""
         span = 1 - self.guess - LAPSE
         p = self.guess + span * norm.cdf(z)
         return np.stack([span * norm.pdf(z), span * norm.pdf(z) * z, norm.cdf(z)]) / np.sqrt(p * (1 - p))
@@ -74,13 +75,13 @@ class Task:
         return ParameterGrid(THRESHOLDS, tuple(TO_WIDTH * sds_db), (self.guess,), LAPSES, shape="normal")
 
     def criteria(self, truths_db: np.ndarray, rng: np.random.Generator, n_trials: int) -> np.ndarray:
-        """Draw the criteria of observers."""
+        """Draw the random numbers of observers."""
         uniform = rng.random((len(truths_db), n_trials))
         return criteria(uniform, "normal", truths_db[:, None], TO_WIDTH * SD_DB, self.guess, LAPSE)
 
 
 def rules(task: Task) -> dict[str, QuestPlus]:
-    """Return QUEST+ and the rules that put the threshold first, on both priors."""
+    """Return QUEST+ and its variants that put the threshold first, with both priors."""
     whole = QuestPlus(LEVELS, task.grid(), n_trials=MANY, prior={"width": SD_PRIOR})
     wide = QuestPlus(LEVELS, task.grid(WIDE_DB), n_trials=MANY)
     return {
@@ -95,7 +96,7 @@ def rules(task: Task) -> dict[str, QuestPlus]:
 def estimates_db(
     rule: QuestPlus, task: Task, truths_db: np.ndarray, rng: np.random.Generator, n_max: int = N_MAX
 ) -> np.ndarray:
-    """Return the posterior means (n_observers, n_steps) after every `EVERY` trials of a rule."""
+    """Return the posterior means (n_observers, n_steps), each after `EVERY` further trials."""
     made = tracks(rule, task.criteria(truths_db, rng, n_max))
     logs, found = np.tile(rule.prior_state.log_weights, (len(truths_db), 1)), []
     for n, (at, said) in enumerate(zip(made.levels.T, made.answers.T, strict=True), start=1):
@@ -107,7 +108,7 @@ def estimates_db(
 
 
 def trials_to(goal_db: float, rmse: np.ndarray) -> int | None:
-    """Return the number of trials from which the error stays at the goal or below."""
+    """Return the number of trials after which the error stays at or below the goal."""
     above = np.flatnonzero(rmse > goal_db)
     step = 0 if above.size == 0 else int(above[-1]) + 1
     return None if step >= len(rmse) else EVERY * (step + 1)
@@ -131,7 +132,7 @@ def report(task: Task, n_observers: int, rng: np.random.Generator) -> None:
 
 
 def stops(task: Task, n_observers: int, rng: np.random.Generator) -> None:
-    """Count runs that stop at a posterior standard deviation of 1 dB within 400 trials."""
+    """Count runs that reach a posterior standard deviation of 1 dB within 400 trials."""
     rule = replace(rules(task)[FIRST], n_trials=400, sd_stop=GOAL_DB)
     truths_db = rng.uniform(-SPAN_DB, SPAN_DB, n_observers)
     made = tracks(rule, task.criteria(truths_db, rng, 400))

@@ -1,9 +1,9 @@
-"""QUEST+ per trial against the package questplus and PsychoPy's handler, in one run.
+"""Time a trial of QUEST+, compared with the package questplus and PsychoPy's handler.
 
     OMP_NUM_THREADS=1 python benchmarks/quest_plus.py
 
-A trial is the choice of a level and the answer to it. Times are processor times; tables are built before. Choices are
-tied if the expected entropies differ by less than 1e-11 nat.
+A trial consists of choosing a level and processing the answer. Times are processor times, without building the tables.
+Choices are tied if their expected entropies differ by less than 1e-11 nat.
 """
 
 import time
@@ -92,7 +92,7 @@ class Questplus:
 
 
 class PsychoPy:
-    """Handler with as many cells of a Weibull function, the only one it has."""
+    """PsychoPy's handler, with equally many cells of a Weibull function, the only one it supports."""
 
     def __init__(self, size: Size) -> None:
         from psychopy.data import QuestPlusHandler
@@ -116,7 +116,7 @@ def answers(rng: np.random.Generator) -> Callable[[float], bool]:
 
 
 def trial_ms(contender: Contender, size: Size, rng: np.random.Generator) -> np.ndarray:
-    """Return the times of the trials, without the observer."""
+    """Return the times of the trials, excluding the observer."""
     times_s, answer = [], answers(rng)
     for _ in range(size.n_trials):
         began_s = time.process_time()
@@ -138,7 +138,7 @@ def compare(size: Size, rng: np.random.Generator) -> None:
 
 
 def choices(size: Size, rng: np.random.Generator) -> None:
-    """Count the trials in which our level differs from that of questplus without a tie."""
+    """Count the trials in which our level differs from that of questplus and is not tied."""
     ours, theirs, answer, n_other = Ours(size), Questplus(size), answers(rng), 0
     for _ in range(size.n_trials):
         level = theirs.choose()
@@ -151,7 +151,7 @@ def choices(size: Size, rng: np.random.Generator) -> None:
 
 
 if __name__ == "__main__":
-    warnings.simplefilter("ignore")  # of the peers
+    warnings.simplefilter("ignore")  # warnings of the other programs
     generator = np.random.default_rng()
     for measure in (compare, choices):
         for each in SIZES:

@@ -1,4 +1,4 @@
-"""Times of scenes by number of effects, measured and predicted."""
+"""Time scenes by number of effects, and compare with the predicted times."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 
 N_ROUNDS, UNNEEDED = 7, 1.05
-"""Rounds, and the largest cost of effects that no output needs."""
+"""Number of rounds, and the largest accepted cost of effects that no output needs."""
 GIVEN = {"level_db_re_1v": 40.0, "voltage_v": 30.0}
 Tables = Mapping[str, Mapping[str, Any]]
 FRICTION: Tables = {
@@ -32,7 +32,7 @@ FRICTION: Tables = {
 }
 FOCUS: Tables = {"attenuation": {}, "patches": {}, "audible_filter": {}, "one_bit": {}, "finger_load": {}}
 LATER: Tables = {"airborne_sound": {}, "drive_energy": {}, "movie": {}, "focus_detection": {}}
-"""Effects with separate outputs, in addition to the losses that sound needs."""
+"""Effects with separate outputs, in addition to the losses that the sound requires."""
 UNASKED: Sequence[Tables] = (
     {"body_resistance": {"resistance_ohm": 1e5}},
     {"skin_leakage": {}},
@@ -69,7 +69,7 @@ def given(plan: Plan) -> dict[str, float]:
 
 
 def compare(title: str, plans: Sequence[Plan], at_most: float | None = None) -> None:
-    """Compare plans with an increasing number of effects."""
+    """Time plans with an increasing number of effects."""
     calls = {str(n): lambda plan=plan: plan.timed(given(plan)) for n, plan in enumerate(plans)}
     times = interleaved(calls, N_ROUNDS)
     medians_s = {name: median(each) for name, each in times.items()}
@@ -78,7 +78,7 @@ def compare(title: str, plans: Sequence[Plan], at_most: float | None = None) -> 
 
 
 def unasked() -> None:
-    """Compare scenes of one second, resolved and run, with and without effects that voltage_v does not need."""
+    """Time scenes of one second, with and without effects that voltage_v does not need."""
     chosen = effects({"force_law": {"law": "sc_layer"}, "friction": {}})
     bare, found = Scene(Electrovibration(240.0), chosen, ("voltage_v",), 1e-2, (FingerContact(1.0, 0.05),)), []
 

@@ -1,8 +1,8 @@
-"""A study of 10 participants, simulated and analysed.
+"""Time a study of 10 participants, simulated and analysed.
 
-21 conditions, 60 trials each: `python benchmarks/study.py`. Measured in memory (sessions, fits, analysis of variance),
-and with a data set, figures and report; in one process, and with sessions on two, cold and warm. Times are by the
-clock.
+The study has 21 conditions with 60 trials each: `python benchmarks/study.py`. It is timed in memory (sessions, fits,
+analysis of variance), and with a data set, figures and report. Sessions run in one process, or in two processes, cold
+and warm. Times are wall-clock times.
 """
 
 import tempfile
@@ -22,7 +22,7 @@ from tactometry.experiments.study.study_file import load
 
 STUDY, N_PARTICIPANTS = "electrovibration-threshold", 10
 LONGER = {b"n_reversals = 14": b"n_reversals = 60", b"n_trials = 40": b"n_trials = 48"}
-"""48 trials with a level, and a catch trial after each four of them."""
+"""48 trials with a level, and one catch trial for each four of them."""
 
 
 def simulation(root: Path) -> Simulation:

@@ -1,8 +1,8 @@
-"""Run benchmarks, and write benchmarks/README.md, the page of their results: `python benchmarks/table.py [NAME ...]`.
+"""Run benchmarks, and write the page of results, benchmarks/README.md: `python benchmarks/table.py [NAME ...]`.
 
-Without a name all are run. Results are kept in `results.json` with their dates. Each benchmark runs `--runs` times in
-its own process on one thread, and the median of all repeats is compared with the required value. A failed benchmark
-keeps the rows of its last run. `--page` writes the page without running anything.
+Without a name, all benchmarks run. Results are stored in `results.json` with their dates. Each benchmark runs `--runs`
+times in a separate process on one thread. The median of all repeats is compared with the required value. A failed
+benchmark keeps the rows of its last successful run. `--page` only writes the page.
 """
 
 import argparse
@@ -32,41 +32,41 @@ ELSEWHERE = {
     "bias_study": "docs/reference/analysis.md and docs/explanation/statistics.md",
     "install_size": "docs/how_to/install.md",
 }
-"""Benchmarks that run only by name, and the pages with their results."""
+"""Benchmarks that run only when named, and the pages with their results."""
 MEASURED_BY_COMMAND = {
     "cold_start": ("tactometry.cli", "tactometry.analysis.pipeline"),
     "limits_mutation": ("tactometry.safety.limits",),
     "time_to_zero": ("tactometry.devices.outputs", "tactometry.rigs"),
     "watch": ("tactometry.experiments.watch",),
 }
-"""Modules that a benchmark measures without importing them."""
+"""Modules that a benchmark measures but does not import."""
 OLDER = "code changed since"
 WHY_MISSED = {
-    "electrovibration": "for a step LSODA takes 0.8 ms against our 0.02 ms; when the goal was set these were 1.6 and "
-    "0.014 ms, 114 x. Other inputs are 100 to 600 times as quick",
-    "filtered_peaks": "8 channels at 192 kHz of square waves, white noise or random bits require four points per "
-    "sample in every block, for voltage and current; tones, carriers and signals far below the limits require few",
-    "procedures": "the bound of the error, slope and lapse rate unknown, is 0.186 and 0.105 SD after 160 trials: no "
-    "placement reaches the error of QUEST+ in fewer than 59 %, 46 % (wide), 53 % and 52 % (wide) of the trials",
-    "time_reversal_products": "29.4 and 30.0 x in two runs, which is at the goal; the product is at 1.67 times the "
-    "peak of the plain one",
+    "electrovibration": "for a step, LSODA requires 0.8 ms and Tactometry 0.02 ms. When the goal was set, these were "
+    "1.6 and 0.014 ms (114 x). Other inputs are 100 to 600 times as fast",
+    "filtered_peaks": "square waves, white noise or random bits in 8 channels at 192 kHz require four points per "
+    "sample in every block, for voltage and current. Tones, carriers and signals far below the limits require few",
+    "procedures": "with unknown slope and lapse rate, the bound of the error is 0.186 and 0.105 SD after 160 trials. "
+    "No placement reaches the error of QUEST+ in fewer than 59 %, 46 % (wide), 53 % and 52 % (wide) of the trials",
+    "time_reversal_products": "29.4 and 30.0 x in two runs, which is at the goal. It is 1.67 times as fast as the "
+    "plain product at the peak rate of BLAS",
 }
 HEAD = f"""\
 # Benchmarks
 
 Required and measured ratios and times. `make bench` runs all of them (hours) and writes this page; `make bench
 ARGS="watch traces"` runs two, `make bench ARGS=--page` only writes the page. The median is compared with the required
-value; the spread is that of repeats within and between runs. Ratios compare with a peer that takes turns in the same
-run. Times are processor times unless stated otherwise. Limits in seconds apply to a quiet machine; the load is the
-largest number of processes that waited for a core. *{OLDER}*: the measured packages changed after the run, or were not
-recorded.
+value. The spread is the range over repeats and runs. Ratios compare with another program that takes turns in the same
+run. Times are processor times unless stated otherwise. Limits in seconds apply to a quiet machine. The load is the
+largest number of processes that waited for a core. *{OLDER}* means that the measured packages
+changed after the run, or were not recorded.
 
 """
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The last successful run of a benchmark, the failure of a later one, and the digest of the measured code."""
+    """Last successful run of a benchmark, failure of a later run, and digest of the measured code."""
 
     rows: tuple[MeasuredItem, ...] = ()
     date: str = ""
@@ -85,9 +85,11 @@ def programs(folder: Path = FOLDER) -> list[str]:
 
 
 def sources_of(program: Path, root: Path = ROOT) -> list[Path]:
-    """Return a benchmark and the files it measures: each imported module with its package, without other packages.
+    """Return the files of a benchmark and of the code it measures.
 
-    A module directly below `tactometry` counts alone.
+    The measured code consists of the imported modules, each with the other modules of its package.
+
+    For a module directly in `tactometry`, only this module is included.
     """
     tree = ast.parse(program.read_text(encoding="utf-8"))
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
@@ -102,13 +104,13 @@ def sources_of(program: Path, root: Path = ROOT) -> list[Path]:
 
 
 def digest(program: Path, root: Path = ROOT) -> str:
-    """Return the digest of what `sources_of` returns."""
+    """Return the digest of the files of `sources_of`."""
     content = [path.name.encode() + b"\0" + path.read_bytes() for path in sources_of(program, root)]
     return sha256(b"\0".join(content)).hexdigest()[:16]
 
 
 def once(program: Path, longest_s: float = LONGEST_S) -> tuple[list[MeasuredItem], str]:
-    """Run a benchmark; return its results and why it failed, or an empty text."""
+    """Run a benchmark, and return its results and the reason of a failure (or an empty text)."""
     with tempfile.TemporaryDirectory() as folder:
         rows = Path(folder) / "rows"
         rows.touch()
@@ -129,7 +131,7 @@ def measured(kept: Mapping[str, object]) -> MeasuredItem:
 
 
 def pooled(rows: Iterable[MeasuredItem]) -> tuple[MeasuredItem, ...]:
-    """Join the results of several runs by name."""
+    """Join the results of several runs that have the same name."""
     by_name: dict[str, MeasuredItem] = {}
     for row in rows:
         before = by_name.get(row.what)
@@ -138,7 +140,7 @@ def pooled(rows: Iterable[MeasuredItem]) -> tuple[MeasuredItem, ...]:
 
 
 def run(program: Path, n_runs: int, before: Outcome) -> Outcome:
-    """Run a benchmark several times; a failed one keeps the rows from `before`."""
+    """Run a benchmark several times. After a failure, the rows of `before` are kept."""
     began_s, load, sources = perf_counter(), 0.0, digest(program)
     today = datetime.now(UTC).date().isoformat()
     rows: list[MeasuredItem] = []
@@ -152,7 +154,7 @@ def run(program: Path, n_runs: int, before: Outcome) -> Outcome:
 
 
 def machine() -> str:
-    """Return processor, cores, system and versions."""
+    """Return processor, cores, system and versions in one line."""
     info = Path("/proc/cpuinfo")
     lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
     processor = next((line.partition(": ")[2] for line in lines if line.startswith("model name")), platform.processor())
@@ -167,7 +169,7 @@ def page(outcomes: Mapping[str, Outcome], names: Sequence[str], folder: Path = F
     n_required = len(verdicts) - verdicts.count(None)
     lines = [f"{verdicts.count(True)} of {n_required} required values are reached, {verdicts.count(False)} missed.", ""]
     lines += [f"- Machine {n}: {each}" for n, each in enumerate(machines, 1)]
-    lines += [f"- `{name}.py` runs only by name; its results are in {where}." for name, where in ELSEWHERE.items()]
+    lines += [f"- `{name}.py` runs only when named; its results are in {where}." for name, where in ELSEWHERE.items()]
     for name, outcome in known.items():
         if name not in ELSEWHERE:
             is_older = outcome.sources != digest(folder / f"{name}.py")
@@ -177,7 +179,7 @@ def page(outcomes: Mapping[str, Outcome], names: Sequence[str], folder: Path = F
 
 def _section(name: str, outcome: Outcome, machines: Sequence[str], *, is_older: bool) -> Iterator[str]:
     if outcome.failed:
-        kept = "the rows are of the run before" if outcome.rows else "there is no run before"
+        kept = "the rows are from the previous run" if outcome.rows else "there is no previous run"
         yield f"**FAILED** ({outcome.failed}); {kept}.\n"
     if not outcome.rows:
         yield "Not run yet."
@@ -195,7 +197,7 @@ def _section(name: str, outcome: Outcome, machines: Sequence[str], *, is_older: 
 
 
 def read(path: Path) -> dict[str, Outcome]:
-    """Read the kept results."""
+    """Read the stored results."""
     kept = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     return {
         name: Outcome(**{**each, "rows": tuple(measured(row) for row in each["rows"])}) for name, each in kept.items()
@@ -211,7 +213,7 @@ def write(outcomes: Mapping[str, Outcome], folder: Path) -> None:
 
 
 def renew(names: Sequence[str], n_runs: int, folder: Path = FOLDER) -> None:
-    """Run some benchmarks, or all, and keep each as it ends."""
+    """Run some benchmarks, or all, and store each result as it is completed."""
     for name in names or [name for name in programs(folder) if name not in ELSEWHERE]:
         print(f"== {name}", flush=True)
         outcomes = read(folder / RESULTS)

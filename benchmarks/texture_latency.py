@@ -1,10 +1,10 @@
-"""Delay from a finger's position to the voltage of a texture.
+"""Measure the delay from a finger's position to the voltage of a texture.
 
-It uses a session, a UDP sensor of 1 kHz and a sound server.
+The measurement uses a session, a UDP sensor with 1 kHz and a sound server.
 
-For some latencies and blocks of the output, each a whole session in this process: the delay from the finger crossing an
-edge of a square grating to the emitted edge, by the card's time of its frame, and the share of a core. Needs PulseAudio
-and the extra audio.
+Each combination of output latency and block size is a whole session in this process. The results are the delay from the
+finger crossing an edge of a square grating to the emitted edge (by the card's time of its frame), and the share of a
+core. Requires PulseAudio and the extra audio.
 """
 
 import contextlib
@@ -35,7 +35,7 @@ N_TOUCHES, RATE_HZ, EDGE_M, LEAST, SPEED_M_PER_S = 8, 48_000.0, 1e-3, 0.3, 0.05
 
 
 class Taken:
-    """Time zero of the emulator's samples, which count a thousand a second on the common clock."""
+    """Time zero of the emulator's samples, which are sent at 1 kHz of the common clock."""
 
     def __init__(self) -> None:
         self._records, self.zero_s = udp.records, 0.0
@@ -55,7 +55,7 @@ class Taken:
 
 
 def edges_s(part: np.ndarray, strongest: np.ndarray, onset_s: float) -> np.ndarray:
-    """Return the times at which the part (0..1) of a carrier passes a half, where the carrier is large enough."""
+    """Return the times at which a carrier's relative amplitude crosses one half, where the carrier is large enough."""
     clear = np.flatnonzero(np.abs(strongest) > LEAST * np.abs(strongest).max())
     values = part[clear] - 0.5
     at = np.flatnonzero(np.diff(np.sign(values)))
@@ -64,7 +64,7 @@ def edges_s(part: np.ndarray, strongest: np.ndarray, onset_s: float) -> np.ndarr
 
 
 def latencies_s(feed: Any, rise_s: float, zero_s: float) -> np.ndarray:
-    """Return the delay of each emitted edge, from the nearest edge of the grating."""
+    """Return the delay of each emitted edge after the nearest edge of the grating."""
     emitted = feed.frames()[:, 0].astype(float)
     strongest = feed._frames[: len(emitted), 0].astype(float)
     part = np.divide(emitted, strongest, out=np.zeros(len(emitted)), where=strongest != 0)
@@ -75,7 +75,7 @@ def latencies_s(feed: Any, rise_s: float, zero_s: float) -> np.ndarray:
 
 
 def session(folder: Path, latency_s: float, block_s: float) -> tuple[np.ndarray, float]:
-    """Record a session; return the delays of its edges, and its share of a core."""
+    """Record a session, and return the delays of its edges and its share of a core."""
     import texture_bench
     from emulated import Emulator
 

@@ -1,12 +1,12 @@
-"""A focus on a plate: modes compared with finite differences.
+"""Time a focus on a plate, computed by modes and by finite differences.
 
-The plate is simply supported; the finite-difference scheme is compiled.
+The plate is simply supported. The finite-difference scheme is compiled.
 
     OMP_NUM_THREADS=1 python benchmarks/time_reversal_focus.py
 
-A pulse of 10 kHz, 32 transducers, T = 15 ms, tau = 10 ms. The time at 1 % and 0.1 % error of the focus is interpolated
-between grids. TACTOMETRY_BENCH_QUICK=1 leaves out the finest, which takes minutes; 0.1 % is then extrapolated by
-error ~ h^2 and work ~ h^-4.
+The pulse has 10 kHz, with 32 transducers, T = 15 ms and tau = 10 ms. The times for 1 % and 0.1 % error of the focus are
+interpolated between grids. TACTOMETRY_BENCH_QUICK=1 omits the finest grid, which takes minutes. The time for 0.1 % is
+then extrapolated with error ~ h^2 and work ~ h^-4.
 """
 
 import math
@@ -33,24 +33,24 @@ TAU_S, T_S, PULSE_HZ, RATE_HZ = 10e-3, 15e-3, 10e3, 100e3
 FOCUS = (0.120, 0.090)
 STEPS_M = (3e-3, 1.5e-3, 1e-3) if os.environ.get("TACTOMETRY_BENCH_QUICK") == "1" else (3e-3, 1.5e-3, 1e-3, 0.5e-3)
 MODES = ((18e3, 50e3), (21e3, 50e3), (31e3, 100e3))
-"""Ends of the modes and sampling rates (Hz)."""
+"""Highest mode frequencies and sampling rates (Hz)."""
 
 
 def places() -> list[tuple[float, float]]:
-    """Return 32 points near the edges, on nodes of every grid (multiples of 3 mm)."""
+    """Return 32 points near the edges that are nodes of all grids (multiples of 3 mm)."""
     x = [0.003 * round(i) for i in np.linspace(6, 93, 10)]
     y = [0.003 * round(i) for i in np.linspace(10, 60, 6)]
     return [(a, b) for b in (0.012, 0.198) for a in x] + [(a, b) for a in (0.012, 0.285) for b in y]
 
 
 def pulse(t: Array) -> Array:
-    """Return Ricker's pulse with its middle at 0.15 ms."""
+    """Return a Ricker pulse centred at 0.15 ms."""
     s = (np.pi * PULSE_HZ * (t - 1.5 / PULSE_HZ)) ** 2
     return np.asarray((1 - 2 * s) * np.exp(-s))
 
 
 def modal(f_max_hz: float, rate_hz: float) -> Array:
-    """Return responses (32, n) to the pulse by modes."""
+    """Return responses (32, n) to the pulse, computed by modes."""
     screen = Screen(PLATE, tuple(PointForce(*p) for p in places()), Attenuation(TAU_S))
     h = impulse_responses(screen, [FOCUS], rate_hz=rate_hz, duration_s=T_S, f_max_hz=f_max_hz)
     shape = pulse(np.arange(round(4 / PULSE_HZ * rate_hz)) / rate_hz)
@@ -58,9 +58,10 @@ def modal(f_max_hz: float, rate_hz: float) -> Array:
 
 
 def finite_differences(step_m: float) -> Array:
-    """Return responses (32, n) at the focus: explicit, second order, at 0.99 of the limit of stability.
+    """Return responses (32, n) at the focus, by explicit second-order differences.
 
-    By reciprocity one run with the pulse at the focus gives all 32 responses, which favours this method.
+    The time step is 0.99 of the stability limit. By reciprocity, one run with the pulse at the focus yields all 32
+    responses, which favours this method.
     """
     n_x, n_y = round(PLATE.length_m / step_m), round(PLATE.width_m / step_m)
     limit_s = step_m**2 / (4 * PLATE.wave_constant_m2_per_s)
@@ -124,7 +125,10 @@ def main() -> None:
 
 
 def time_at(points: list[tuple[float, float]], wanted: float) -> float:
-    """Return the time for an error: log-log between grids, beyond them error ~ time^(-1/2)."""
+    """Return the time for an error, by log-log interpolation between grids.
+
+    Beyond the grids, the error is assumed to be proportional to time^(-1/2).
+    """
     spent, error = np.log([p[0] for p in points]), np.log([p[1] for p in points])
     if math.log(wanted) < error[-1]:
         return float(np.exp(spent[-1] + 2 * (error[-1] - math.log(wanted))))

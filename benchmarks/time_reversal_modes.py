@@ -1,9 +1,9 @@
-"""Free-edge modes by Ritz compared with scikit-fem.
+"""Time free-edge plate modes by the Ritz method, compared with scikit-fem.
 
     OMP_NUM_THREADS=1 python benchmarks/time_reversal_modes.py
 
-The error is against the same basis with 20 more degrees. scikit-fem runs Bogner-Fox-Schmit elements and scipy's sparse
-solver for minutes; TACTOMETRY_BENCH_QUICK=1 leaves it out.
+The reference of the error is the same basis with 20 more degrees. scikit-fem uses Bogner-Fox-Schmit elements and
+scipy's sparse solver, and takes minutes. TACTOMETRY_BENCH_QUICK=1 omits it.
 """
 
 import os
@@ -36,7 +36,7 @@ def reference_hz(f_max_hz: float) -> NDArray[np.float64]:
 
 
 def error(found: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
-    """Return the largest relative error of the elastic frequencies."""
+    """Return the largest relative error of the elastic modes' frequencies."""
     n = min(len(found), len(reference))
     return float(np.max(np.abs(found[3:n] / reference[3:n] - 1)))
 

@@ -1,10 +1,10 @@
-"""Delay from the loss of force to silence of the output.
+"""Measure the delay from the loss of force to silence of the output.
 
 A real sound server records how long a stimulus continues in a session with a real window.
 
-*decided* is the time from the last sample of a held force to the order to stop, *silent* that to the first zero that
-leaves the card. A silent sensor is lost after 100 ms. Needs a display or Xvfb, PulseAudio, and the extras window and
-audio.
+*decided* is the time from the last sample of a held force to the command to stop. *silent* is the time from that sample
+to the first zero that leaves the card. A silent sensor counts as lost after 100 ms. Requires a display or Xvfb,
+PulseAudio, and the extras window and audio.
 """
 
 import math
@@ -27,7 +27,7 @@ CAUSES = {"the sensor falls silent": None, "its samples are lost": math.nan, "th
 
 
 class Kept:
-    """A window for several benches."""
+    """Window that several benches share."""
 
     def __init__(self, window: Any) -> None:
         self._window = window
@@ -40,7 +40,7 @@ class Kept:
 
 
 def touched_s(window: Any, sink: Any, force_n: float | None) -> tuple[float, float]:
-    """Return the times to decision and silence of a touch whose force changes to this."""
+    """Return the times to decision and silence for a touch whose force changes to a value."""
     import player
     from zero_scene import PRESS, RATE_HZ, Noting, Scene
 

@@ -1,7 +1,8 @@
-"""Size of traces on disk.
+"""Measure the size of traces on disk.
 
-A finger holds 1 N and slides at 50 mm/s for two seconds of each of 720 touches an hour; sensors of 1 kHz count 0.2 mN
-and 1 um; a texture of a second has 48 kHz and 16 bits. Tremor, drift and noise are unverified defaults.
+There are 720 touches per hour. In each, the finger presses with 1 N and slides at 50 mm/s for two seconds. Sensors have
+1 kHz and resolutions of 0.2 mN and 1 um. A texture of one second has 48 kHz and 16 bits. Tremor, drift and noise are
+unverified defaults.
 """
 
 import tempfile

@@ -1,8 +1,8 @@
-"""Cost of a page that follows a session of three hours: `python benchmarks/watch.py`.
+"""Time a page that follows a session of three hours: `python benchmarks/watch.py`.
 
-A journal of more than 2 000 trials with events and traces of a bench is written; its last trials one by one, at the
-pace of a session (5 s), while the page is served to a browser's connection. `--n-live` and `--pace-s` change the number
-and the pace of these trials; shares of a core are those of one trial in 5 s.
+A journal of more than 2 000 trials is written, with events and traces of a bench. Its last trials are written one by
+one at the pace of a session (5 s), while the page is served to a browser's connection. `--n-live` and `--pace-s` change
+the number and pace of these trials. Shares of a core are for one trial in 5 s.
 """
 
 import argparse
@@ -40,7 +40,7 @@ FACTS_S = {"frame_interval_max_s": 0.017, "gate_delay_s": 0.004, "key_to_record_
 
 
 def long_session(root: Path, n_trials: int) -> tuple[Line, ...]:
-    """Simulate the staircase study with so many trials per track."""
+    """Simulate the staircase study with a number of trials per track."""
     text = load("electrovibration-threshold")[1].decode()
     content = text.replace("n_trials = 40", f"n_trials = {n_trials}").replace("n_reversals = 14", "n_reversals = 999")
     experiment, who = wire(parse(content.encode(), "the study"), "the study"), Who("P01", seed=1)
@@ -49,7 +49,7 @@ def long_session(root: Path, n_trials: int) -> tuple[Line, ...]:
 
 
 def traced(answer: object, traces: TraceFiles) -> object:
-    """Add samples of three seconds to the answer of a touch."""
+    """Return the answer of a touch, with samples of three seconds."""
     if not isinstance(answer, Touched):
         return answer
     times_s = answer.onset_s + np.linspace(-2.0, 1.0, 3000)
@@ -58,7 +58,7 @@ def traced(answer: object, traces: TraceFiles) -> object:
 
 
 def write(journal: Journal, lines: Sequence[Line], traces: TraceFiles) -> Iterator[None]:
-    """Write lines with the events of a bench; yield after each trial."""
+    """Write lines with the events of a bench, and yield after each trial."""
     for line in lines:
         if isinstance(line, Entry):
             journal.append(line.request, traced(line.answer, traces))
@@ -76,7 +76,7 @@ def cpu_s(pid: int) -> float:
 
 
 def listen(url: str, seen: list[int]) -> None:
-    """Request the page, then its changes, as a browser does."""
+    """Request the page and then its changes, like a browser."""
     parts = urlsplit(url)
     connection = HTTPConnection(str(parts.hostname), parts.port)
     connection.request("GET", parts.path)
@@ -89,7 +89,7 @@ def listen(url: str, seen: list[int]) -> None:
 
 @contextmanager
 def served(root: Path) -> Iterator[tuple[int, str]]:
-    """Yield process number and address of `tactometry watch`."""
+    """Run `tactometry watch`, and yield its process number and address."""
     command = [sys.executable, "-m", "tactometry", "watch", str(root)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True) as watch:
         try:

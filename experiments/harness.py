@@ -1,4 +1,4 @@
-"""Harness of the benchmarks, `cost`, `validate-method` and `reproduce`: time, judge, keep and tabulate results."""
+"""Measurement tools of benchmarks, `cost`, `validate-method`, `reproduce`."""
 
 import json
 import os
@@ -19,25 +19,31 @@ from .workers import Spread
 J = TypeVar("J")
 Call = Callable[[], Any]
 ROWS: Final = "TACTOMETRY_BENCH_ROWS"
-"""Environment variable with the file to which `tell` appends each result as a line of JSON."""
+"""Environment variable with the path of a file. `tell` appends each result to it as a line of JSON."""
 SHORTEST_S: Final = 1e-9
 
 
 def item(table: Mapping[str, str], name: str, *, made: bool = False) -> Any:
-    """Import an item of a table of target strings and set its name; with `made` the target is called for it."""
+    """Import an item from a table of import targets, and set its name.
+
+    With `made`, the target is called and the item is its result.
+    """
     found = resolve(table[name])
     return replace(found() if made else found, name=name)
 
 
 def run_once(call: Call) -> tuple[float, Any]:
-    """Return processor time (s) and result of a call. On one thread other programs hardly change that time."""
+    """Return processor time (s) of one thread, and the result of a call."""
     start_s = time.process_time()
     result = call()
     return max(time.process_time() - start_s, SHORTEST_S), result
 
 
 def interleaved(calls: Mapping[str, Call], n_rounds: int, *, turn_s: float = 0.0) -> dict[str, list[float]]:
-    """Return processor times (s) of a call of each, in turn in every round, after a warm-up."""
+    """Return processor times (s) of calls that take turns in each round.
+
+    Each call is warmed up first.
+    """
     n_calls = {}
     for name, call in calls.items():
         call()
@@ -51,7 +57,7 @@ def interleaved(calls: Mapping[str, Call], n_rounds: int, *, turn_s: float = 0.0
 
 
 def machine() -> str:
-    """Return versions, processor and BLAS in a line. Everything is measured on one thread."""
+    """Return versions, processor and BLAS in one line."""
     import numpy as np
     from threadpoolctl import threadpool_info
 
@@ -62,7 +68,7 @@ def machine() -> str:
 
 @dataclass(frozen=True)
 class MeasuredItem:
-    """One figure with its repeats and limits. A ratio has the unit `x`."""
+    """Measured quantity with repeats and limits. A ratio has the unit `x`."""
 
     what: str
     values: tuple[float, ...]
@@ -76,7 +82,7 @@ class MeasuredItem:
 
     @property
     def limits(self) -> str:
-        """The limits in words, or empty without any."""
+        """The limits in words, or an empty text without limits."""
         limits = {"at least": self.at_least, "at most": self.at_most}
         return ", ".join(f"{word} {self.in_unit(limit)}" for word, limit in limits.items() if limit is not None)
 
@@ -93,7 +99,7 @@ class MeasuredItem:
 
     @property
     def spread(self) -> str:
-        """Lowest and highest of several repeats, or empty if they are equal."""
+        """Range of the repeats, or an empty text if they are equal."""
         least, largest = number(min(self.values)), number(max(self.values))
         return f"{least} to {largest}" if least != largest else ""
 
@@ -112,7 +118,7 @@ def tell(what: str, values: float | Sequence[float], unit: str = "x", **limits: 
     Parameters
     ----------
     values
-        One value or the repeats.
+        One value, or one for each repeat.
     limits
         `at_least` and `at_most`.
     """
@@ -125,7 +131,7 @@ def tell(what: str, values: float | Sequence[float], unit: str = "x", **limits: 
 
 
 def ratios(ones: Sequence[float], others: Sequence[float]) -> list[float]:
-    """Return the ratios of pairs that were measured in turn.
+    """Return the ratios of paired measurements.
 
     >>> ratios([2.0, 9.0], [1.0, 3.0])
     [2.0, 3.0]
@@ -134,7 +140,7 @@ def ratios(ones: Sequence[float], others: Sequence[float]) -> list[float]:
 
 
 def number(value: float) -> str:
-    """Format three digits, without an exponent below a thousand million.
+    """Format a number to three digits, with an exponent only from 1e9 on.
 
     >>> number(1234.5), number(0.12345), number(3e-10)
     ('1230', '0.123', '3e-10')
@@ -156,7 +162,7 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def keep_chunks(paths: Sequence[Path], jobs: Sequence[J], make: Callable[[J], bytes], spread: Spread) -> Iterator[Path]:
-    """Write each job's result to its path as a whole and yield the path."""
+    """Write each job's result atomically to its path, and yield the path."""
     left = [job for path, job in zip(paths, jobs, strict=True) if not path.exists()]
     kept = {path for path in paths if path.exists()}
     made = iter(spread(make, left))
@@ -169,7 +175,7 @@ def _written(path: Path, content: bytes) -> Path:
 
 
 def arrow(where: str) -> Any:
-    """Return pyarrow with its `parquet` module; `where` begins the error.
+    """Return pyarrow with its `parquet` module. An error begins with `where`.
 
     Raises
     ------
@@ -200,9 +206,9 @@ def share_interval(n_yes: int, n: int, coverage: float = 0.95) -> tuple[float, f
 
 
 def departure(n_yes: int, n: int, stated: float, alpha: float) -> int:
-    """Return -1 or 1 if a share is below or above the stated one, else 0.
+    """Return -1 or 1 if a share is significantly low or high, else 0.
 
-    It applies the exact two-sided binomial test.
+    Uses the exact two-sided binomial test.
 
     >>> departure(80, 100, 0.95, 1e-4), departure(93, 100, 0.95, 1e-4), departure(30, 100, 0.05, 1e-4)
     (-1, 0, 1)

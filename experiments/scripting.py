@@ -1,4 +1,4 @@
-"""Run and simulate studies from a Python script, as the commands `run` and `simulate` do."""
+"""Run and simulate studies from Python, like `run` and `simulate`."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -35,21 +35,21 @@ def run(
     Parameters
     ----------
     study : str or Path
-        A built-in name or the path of a study file.
+        Name of a built-in study, or path of a study file.
     participant : str
-        A code of letters and digits that ends with a number, such as P01.
+        Code of letters and digits that ends with a number, such as P01.
     out : str or Path
-        The folder of the data set.
+        Folder of the data set.
     rig : str
         ``bench`` (a window and the devices of the bench file), ``console`` or ``simulated``.
     bench : str or Path, optional
-        A bench file.
+        Path of a bench file.
     seed : int, optional
-        A drawn one by default.
+        Seed of the session. Drawn by default.
     resume : bool
         Continue an interrupted session.
     tell : callable
-        Receives each message for the experimenter.
+        Called with each message for the experimenter.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def run(
     Raises
     ------
     InvalidFile, InvalidParameter
-        If a file or an argument is wrong, or the session is recorded already.
+        If a file or an argument is invalid, or the session is already recorded.
     """
     numbers, content = load(str(study))
     experiment = wire(numbers, str(study), simulated=rig == "simulated", begun=resume)
@@ -69,14 +69,14 @@ def run(
 
 @checked
 def simulate(study: str | Path, n_participants: int, *, seed: int, n_jobs: int = 1) -> Trials:
-    """Return the trials of simulated participants, without writing a file.
+    """Simulate participants and return their trials. Writes no file.
 
     The same seed gives the same trials, however many processes (`n_jobs`) compute them.
 
     Raises
     ------
     InvalidFile, InvalidParameter
-        If the study file or an argument is wrong.
+        If the study file or an argument is invalid.
 
     >>> simulate("tutorial", 2, seed=1).rows["participant"].unique().tolist()
     ['P01', 'P02']

@@ -1,4 +1,4 @@
-"""Computation in this process, on local processes or a Dask cluster."""
+"""Run calls in this process, on local processes or on a Dask cluster."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -12,23 +12,23 @@ R = TypeVar("R")
 
 
 class Spread(Protocol):
-    """Function that calls another with each item and yields ordered results."""
+    """Function that calls another with each item, and yields ordered results."""
 
     def __call__(self, function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]: ...
 
 
 def here(function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
-    """Compute each result in this process when it is requested."""
+    """Yield results computed in this process, each when it is requested."""
     return map(function, items)
 
 
 def check_workers(n_jobs: int, scheduler: str | None) -> None:
-    """Refuse an invalid number of processes, or one with a cluster.
+    """Reject an invalid number of processes, or a number with a cluster.
 
     Raises
     ------
     InvalidParameter
-        With one sentence.
+        If the number is neither -1 nor at least 1, or a cluster is stated too.
     """
     is_number = n_jobs == 1 if scheduler else n_jobs >= 1 or n_jobs == -1
     expected = "--scheduler alone" if scheduler else "at least 1, or -1 for all cores"
@@ -37,14 +37,14 @@ def check_workers(n_jobs: int, scheduler: str | None) -> None:
 
 @contextmanager
 def workers(n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Spread]:
-    """Return a function that spreads calls over processes or a cluster.
+    """Return a function that distributes calls over processes or a cluster.
 
     `n_jobs` is the number of local processes (-1: one for each core), `scheduler` the address of a Dask cluster.
 
     Raises
     ------
     DeviceFailed
-        If the cluster does not answer, or its package is not installed.
+        If the cluster does not respond, or its package is not installed.
 
     >>> with workers() as spread:
     ...     list(spread(abs, [-1, 2]))
@@ -84,7 +84,7 @@ def _cluster(scheduler: str) -> Iterator[Any]:
         client = distributed.Client(scheduler, timeout=10)
     except (OSError, ValueError, TypeError) as error:
         raise DeviceFailed(
-            f"--scheduler: no Dask scheduler answers at {scheduler!r} ({error}), expected an address such as "
+            f"--scheduler: no Dask scheduler responds at {scheduler!r} ({error}), expected an address such as "
             "tcp://host:8786"
         ) from None
     with client, joblib.parallel_config(backend="dask", wait_for_workers_timeout=30):

@@ -1,6 +1,6 @@
 """Accuracy problems of `tactometry cost`.
 
-Each problem is a function in `problems` and one line here.
+Each problem is a function in `problems` and has one line in this file.
 """
 
 from collections.abc import Mapping
@@ -39,7 +39,7 @@ PROBLEMS: Mapping[str, str] = {
     "scene-hybrid-screen": f"{_HERE}.scenes:hybrid_screen",
     "scene-electrovibration-panel": f"{_HERE}.scenes:panel",
 }
-"""The function that returns each problem."""
+"""Functions that return the problems, by problem name."""
 
 
 def problem_of(name: str) -> "Problem":

@@ -1,4 +1,4 @@
-"""Figures of error against price."""
+"""Figures of error over price."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -17,15 +17,15 @@ from .measure import GOALS, AccuracyCurve, Point
 GREY = "#666666"
 MARKERS = ("o", "s", "^", "D", "v", "P")
 TOP = 2.0
-"""Error at which unstable points are drawn."""
+"""Error at which unstable results are drawn."""
 LABEL = {False: (4, 4), True: (5, -7)}
-"""Offset of the name of a setting (points): above ours, below recorded ones."""
+"""Offset of setting labels from their points (in typographic points), by whether the point was recorded."""
 ELSEWHERE = ((4, 4, "left"), (5, -7, "left"), (-4, 4, "right"), (-5, -7, "right"), (0, 9, "center"), (0, -13, "center"))
-"""Other offsets, with their alignment, to keep names apart."""
+"""Other offsets, with alignment, for labels that would overlap."""
 
 
 def error_against_price(curve: AccuracyCurve, peers: Sequence[Point] = ()) -> Figure:
-    """Draw errors against prices with the frontier, on log axes."""
+    """Plot error over price with the frontier, on log axes."""
     figure = Figure(figsize=(6.4, 4.5), layout="constrained", facecolor="white")
     axes = figure.subplots()
     points = (*curve.points, *peers)
@@ -44,7 +44,7 @@ def error_against_price(curve: AccuracyCurve, peers: Sequence[Point] = ()) -> Fi
 
 
 def drawn_at(point: Point, floor: float) -> float:
-    """Return the error limited to the drawn range."""
+    """Return a point's error, limited to the range of the axis."""
     return TOP if point.unstable else min(max(point.error, floor), TOP)
 
 

@@ -20,7 +20,7 @@ from .problem import Problem, Setting
 N_ROUNDS = 5
 GOALS = (1e-1, 1e-2, 1e-3, 1e-4)
 PEERS = Path(__file__).with_name("peers.csv")
-"""Points of other programs, with the warm time of our finest setting in the same run (`yardstick_s`)."""
+"""Recorded points of other programs. `yardstick_s` is the warm time of our finest setting in the same run."""
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 COLD = """
 import sys
@@ -32,10 +32,10 @@ print(run_once(problem_of(sys.argv[1]).settings[int(sys.argv[2])].run)[0])
 
 @dataclass(frozen=True)
 class Point:
-    """Relative error and price of a setting, with times (s) and memory.
+    """Measured relative error, price, times (s) and memory of a setting.
 
-    A result that is not finite is `unstable` and has an infinite error. `price` is the median time unless the setting
-    states another price.
+    A point whose result is not finite is `unstable`, and its error is infinite. `price` is the median time unless the
+    setting states another price.
     """
 
     problem: str
@@ -53,7 +53,7 @@ class Point:
 
 @dataclass(frozen=True)
 class AccuracyCurve:
-    """All points of a problem, and the result of the reference."""
+    """All measured points of a problem, and the reference result."""
 
     problem: Problem
     points: tuple[Point, ...]
@@ -61,7 +61,7 @@ class AccuracyCurve:
 
     @property
     def floor(self) -> float:
-        """Uncertainty of the reference, below which no error is reported."""
+        """Uncertainty of the reference. Smaller errors are reported as this value."""
         return self.problem.reference.uncertainty
 
     @property
@@ -74,7 +74,7 @@ class AccuracyCurve:
 
     @property
     def frontier(self) -> list[tuple[float, float]]:
-        """Prices and errors of points that no other point beats in both."""
+        """Prices and errors of the Pareto-optimal points."""
         best: list[tuple[float, float]] = []
         for point in sorted(self.points, key=lambda each: (each.price, each.error)):
             error = max(point.error, self.floor)
@@ -94,10 +94,11 @@ def measure(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], 
     Parameters
     ----------
     n_rounds : int
-        Warm calls of each setting whose price is computing time. With 0 the first call is the time, and memory is 0.
+        Number of warm calls of each setting whose price is computing time. With 0, the time is that of the first call,
+        and memory is 0.
     cold_s : callable, optional
-        Returns the time (s) of the first call of the setting at a place, in a separate process. By default the first
-        call in this process counts.
+        Function that returns the time (s) of a setting's first call in a separate process, given its index. By default,
+        the first call is timed in this process.
     """
     from threadpoolctl import threadpool_limits
 
@@ -109,7 +110,7 @@ def measure(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], 
         if cold_s is not None:
             firsts = [(cold_s(n), first[1]) if n in timed else first for n, first in enumerate(firsts)]
     times: dict[int, list[float]] = {n: [] for n in range(len(settings))}
-    with threadpool_limits(1):  # also of the libraries that the first calls loaded
+    with threadpool_limits(1):  # again, as the first calls may have loaded further libraries
         for number in range(n_rounds):
             for n in times if number == 0 else timed:
                 times[n].append(run_once(settings[n].run)[0])
@@ -121,9 +122,9 @@ def measure(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], 
 
 
 def cold_s(problem: str, place: int) -> float:
-    """Return the processor time (s) of a first call in a new process.
+    """Return the processor time (s) of a setting's call in a new process.
 
-    Imports during the call count, imports of the problem do not.
+    Imports during the call are included, imports of the problem are not.
     """
     command = [sys.executable, "-c", COLD, problem, str(place)]
     environment = os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(sys.path)}
@@ -165,9 +166,9 @@ def _peak_bytes(run: Callable[[], Any]) -> int:
 
 
 def peers_of(curve: AccuracyCurve, record: Path = PEERS) -> tuple[Point, ...]:
-    """Return recorded points of other programs, with times of this machine.
+    """Return recorded points of other programs, scaled to this machine.
 
-    Times are multiplied by the ratio of our finest setting here and in the record.
+    Times are multiplied by the time of our finest setting here, divided by its recorded time.
     """
     now_s, points = curve.points[-1].median_s, []
     for row in _rows(record):

@@ -1,4 +1,4 @@
-"""Output of accuracy curves: terminal table, CSV, and documentation page."""
+"""Terminal table, CSV and documentation page of accuracy curves."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -38,7 +38,7 @@ then check that the error falls from setting to setting, that references agree, 
 
 
 def table(curve: AccuracyCurve) -> str:
-    """Return the points in 98 columns, and the cheapest settings."""
+    """Return a table of the points (98 columns), and the cheapest settings."""
     problem = curve.problem
     lines = [f"{problem.name}: {problem.title}", f"against {problem.reference.by}", f"price: {problem.price}"]
     lines.append(ROW.format("setting", "error", "price", "cold (s)", "warm (s)", "+- (s)", "memory (B)", "answer (B)"))
@@ -50,7 +50,7 @@ def table(curve: AccuracyCurve) -> str:
 
 
 def answers(curve: AccuracyCurve) -> list[str]:
-    """Return the cheapest setting for each goal."""
+    """Return a line with the cheapest setting for each error goal."""
     lines = []
     for goal in GOALS:
         point = curve.cheapest(goal)
@@ -60,7 +60,7 @@ def answers(curve: AccuracyCurve) -> list[str]:
 
 
 def label(point: Point) -> str:
-    """Return the setting, preceded by its program unless it is Tactometry."""
+    """Return a point's setting, with the program unless it is Tactometry."""
     return point.setting if point.contender == OURS else f"{point.contender}, {point.setting}"
 
 
@@ -69,7 +69,7 @@ def _error(point: Point) -> str:
 
 
 def write_page(curves: Sequence[AccuracyCurve], path: Path, today: date) -> None:
-    """Write the page, and its figures to a folder of the same name."""
+    """Write the page, and its figures into a folder of the same name."""
     from .figures import error_against_price, write_svg
 
     folder = path.with_suffix("")
@@ -81,7 +81,7 @@ def write_page(curves: Sequence[AccuracyCurve], path: Path, today: date) -> None
 
 
 def page(curves: Sequence[AccuracyCurve], folder: str, today: date) -> str:
-    """Return the text of the page."""
+    """Return the page as Markdown."""
     measured = f"Measured on {today.isoformat()}: {machine()}. Peers: {recorded_on()}."
     rows = []
     for curve in curves:
@@ -94,7 +94,7 @@ def page(curves: Sequence[AccuracyCurve], folder: str, today: date) -> str:
 
 
 def digit(curve: AccuracyCurve) -> str:
-    """Return the factor of price per tenfold smaller error."""
+    """Return the factor by which the price rises per tenfold smaller error."""
     best = curve.frontier
     digits = math.log10(best[0][1] / best[-1][1])
     return f"x {(best[-1][0] / best[0][0]) ** (1 / digits):.2g}" if digits > 0 else "nothing"

@@ -1,4 +1,4 @@
-"""Types of an accuracy problem: workload, reference, and settings."""
+"""Types of accuracy problems: workload, reference and settings."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ OURS = "tactometry"
 
 @dataclass(frozen=True)
 class Setting:
-    """Computation with its price (None: its computing time) and program."""
+    """Computation with its program and price (None: its computing time)."""
 
     name: str
     run: Callable[[], Any]
@@ -38,16 +38,16 @@ class Problem:
     ----------
     title : str
     reference : Reference
-        Computed by a method other than that of the settings if possible.
+        Reference result, from a different method than the settings if possible.
     error : callable
-        Relative error of a result against the reference, in the norm that `title` states.
+        Function of a result and the reference that returns the relative error. `title` states the norm.
     settings : tuple of Setting
     price : str
-        The price with its unit.
+        Name of the price, with its unit.
     name : str
         Key in `PROBLEMS`.
     independent : Reference, optional
-        A result by another method, if the reference is our own method at its finest setting.
+        Result of another method, given if the reference is our own method at its finest setting.
     """
 
     title: str
@@ -70,7 +70,7 @@ def over_rms(answer: NDArray[Any], reference: NDArray[Any]) -> float:
 
 
 def over_interval(interval: Real, reference: Real) -> float:
-    """Return the largest error of mean and ends over the interval's length."""
+    """Return the largest error of mean and ends over the interval length."""
     return float(np.abs(interval - reference).max() / (reference[2] - reference[1]))
 
 

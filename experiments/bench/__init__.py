@@ -1,1 +1,1 @@
-"""Bench files, calibration, preflight and learned responses."""
+"""Bench files, calibration, preflight checks and learned responses."""

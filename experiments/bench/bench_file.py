@@ -1,4 +1,4 @@
-"""Bench files and their strict reading."""
+"""Bench files, and the strict parser that reads them."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Devices:
-    """The devices of a bench, none of them open."""
+    """Devices of a bench, not yet opened."""
 
     output: Guarded
     force: StreamedSensor | None
@@ -41,7 +41,7 @@ class Devices:
 
 @dataclass(frozen=True)
 class BenchFile:
-    """One bench. The tighter of its limits and those of the study applies.
+    """Contents of a bench file. The tighter limits of bench and study apply.
 
     Parameters
     ----------
@@ -50,17 +50,17 @@ class BenchFile:
     output : OutputPart
         Device that plays the stimuli.
     limits : Limits, optional
-        Limits of every signal. Required if an output is connected.
+        Limits for every signal. Required if an output is connected.
     sensors : mapping of str to SensorPart
-        Sensors by custom names.
+        Sensors by name. You choose the names.
     force : ForcePart, optional
-        Sensor of the force, and its calibration. Required if an output is connected, unless it is `ungated`.
+        Force sensor and its calibration. Required if an output is connected, unless the output is `ungated`.
     position : PositionPart, optional
-        Sensor of the finger's position, and its calibration.
+        Sensor of the finger's position, with its calibration.
     time_reversal : Learnt, optional
-        Measured impulse responses of this bench, which replace those of a model.
+        Measured impulse responses of this bench. They replace those of the model.
     traces : TracesTable
-        Samples that the session stores.
+        Kinds of samples that a session stores.
     """
 
     screen: DisplayTable = field(default_factory=DisplayTable)
@@ -77,14 +77,16 @@ class BenchFile:
             table = getattr(self, name)
             if table is not None and table.sensor not in self.sensors:
                 known = tuple(self.sensors) or ("it has none",)
-                raise no_such(f"{name}.sensor", table.sensor, "one of the file's sensors", known)
+                raise no_such(f"{name}.sensor", table.sensor, "one of the sensors of this file", known)
 
     def limits_with(self, study: Limits) -> Limits:
-        """Return the tighter of both limits."""
+        """Return the tighter limits of bench and study."""
         return study if self.limits is None else study.tighter(self.limits)
 
     def devices(self, study: Limits, today: date, *, touched: bool = True) -> Devices:
-        """Create the devices, still closed; `touched` if a finger will touch.
+        """Create the devices without opening them.
+
+        `touched` states whether a finger will touch the surface.
 
         Raises
         ------
@@ -93,7 +95,7 @@ class BenchFile:
         DeviceFailed
             If a calibration is older than the file allows, or was not made with this output.
         """
-        if touched:  # checked before a driver exists
+        if touched:  # checked before any driver is created
             self.check_gate()
             self.check_stop(study)
         driver = self.output.settings.driver(self.output.gain)
@@ -110,23 +112,23 @@ class BenchFile:
         )
 
     def check_gate(self) -> None:
-        """Refuse a connected output without a sensor that can stop it.
+        """Reject a connected output that no sensor can stop.
 
         Raises
         ------
         InvalidParameter
-            If there is no force sensor and no `ungated`, or both, or the sensor is a recording.
+            If neither a force sensor nor `ungated` is stated, or both are, or the sensor is a recording.
         """
         if not self.output.settings.connected:
             return
         if self.force is None:
-            sensor = "the sensor that stops the output when the finger leaves; state it, or ungated = true in [output]"
+            sensor = "a force sensor that stops the output when the finger leaves, or ungated = true in [output]"
             expect(self.output.ungated, "force", "none", f"{sensor}; nothing was played")
             return
-        expect(not self.output.ungated, "output.ungated", "true beside [force]", "one of them")
-        recording = f"{self.force.sensor!r}, a recording, which knows of no finger"
+        expect(not self.output.ungated, "output.ungated", "true together with [force]", "only one of them")
+        recording = f"{self.force.sensor!r}, a recording, which cannot detect a finger"
         is_live = self.sensors[self.force.sensor].settings.live
-        expect(is_live, "force.sensor", recording, "a sensor; nothing was played")
+        expect(is_live, "force.sensor", recording, "a live sensor; nothing was played")
 
     def check_stop(self, study: Limits) -> None:
         """Raise `LimitExceeded` if a connected output may stop too late."""
@@ -135,17 +137,17 @@ class BenchFile:
 
     @property
     def stop_delay_s(self) -> float:
-        """Worst-case delay of a stop of the output, as the file states it, s."""
+        """Worst-case delay (s) of stopping the output, from the bench file."""
         return self.output.settings.driver(self.output.gain).stop_delay_s
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """Warnings for a session about permissive settings of the bench file."""
+        """Warnings about permissive settings of the bench file."""
         is_shared = getattr(self.output.settings, "shared", False)
         allowed = {
             "output.ungated = true: nothing stops the output when the finger leaves": self.output.ungated,
             "output.shared = true: other programs may play to the output and change its volume": is_shared,
-            "force.release = false: a force sensor that is stuck in its band is not found out": not self.release,
+            "force.release = false: a force sensor that is stuck within its band is not detected": not self.release,
         }
         measured = {"output.gain": self.output.gain, "force": None if self.force is None else self.force.calibration}
         ages = [part for part, one in measured.items() if one is not None and isinstance(one.max_age_days, Unlimited)]
@@ -198,7 +200,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> Facts:
 
 
 def _stated(bench: BenchFile) -> Facts:
-    """Return the values of the bench file that later sittings compare."""
+    """Return values of the bench file to compare with later sittings."""
     parts = {"screen": bench.screen, "force": bench.force, "position": bench.position, **bench.sensors}
     return {
         f"bench_{part}_{key}": value
@@ -209,7 +211,7 @@ def _stated(bench: BenchFile) -> Facts:
 
 
 def _scalars(table: Mapping[str, Any]) -> Iterator[tuple[str, Fact]]:
-    """Yield the values of nested tables that a journal can contain."""
+    """Yield those values of nested tables that a journal can store."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from ((f"{key}_{inner}", fact) for inner, fact in _scalars(value))
@@ -270,7 +272,7 @@ def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, 
 
 
 def _part(kind: type[T], table: Mapping[str, Any], path: str, **inner: Callable[[], object]) -> T:
-    """Build a part of the bench and its inner parts with all mistakes."""
+    """Build a part of the bench with its inner parts, and report all mistakes."""
     found, made = Gathered(), {}
     for name, build_inner in inner.items():
         with found.part():
@@ -283,7 +285,7 @@ def _part(kind: type[T], table: Mapping[str, Any], path: str, **inner: Callable[
 
 def _output(table: Mapping[str, Any], path: str) -> OutputPart:
     of_bench, of_device = _split(table, ("gain", "load", "ramp_s", "ungated"))
-    if of_device.get("kind") == "packed":  # one bit has no ramp
+    if of_device.get("kind") == "packed":  # a one-bit signal has no ramp
         of_bench = {"ramp_s": 0.0, **of_bench}
     return _part(OutputPart, of_bench, path, settings=lambda: build_kind({"kind": "null", **of_device}, path, OUTPUTS))
 

@@ -1,4 +1,4 @@
-"""Tables of a bench file."""
+"""Data classes for the tables of a bench file."""
 
 import math
 from dataclasses import dataclass, field
@@ -21,13 +21,14 @@ if TYPE_CHECKING:
     from tactometry.rigs.window import Window
 
 LONGEST_DELAY_S = 0.05
-"""Half of the time after which a silent sensor is lost, as a stop comes so much later (unverified default)."""
+"""Half of the time after which a silent sensor counts as lost. The delay adds to the time until a stop (unverified
+default)."""
 
 
 @dataclass(frozen=True)
 @constrained
 class DisplayTable:
-    """The participant's screen: full screen, or a window.
+    """The participant's screen: full screen or a window.
 
     Parameters
     ----------
@@ -38,13 +39,13 @@ class DisplayTable:
     height_px : int
         Height of the window.
     height_m : float, optional
-        Height of the screen, as `tactometry calibrate display` measures it.
+        Height of the screen, measured with `tactometry calibrate display`.
     language : str
         Language of the participant's pages.
     dry_run : bool
-        Show each kind of touch, and let the participant try it without a stimulus before the first trial.
+        Show each kind of touch and let the participant try it without a stimulus, before the first trial.
     screen : int
-        Number of the screen, from 0, if several are connected.
+        Number of the screen, counted from 0.
     """
 
     fullscreen: bool = True
@@ -59,14 +60,14 @@ class DisplayTable:
         one_of("DisplayTable.language", self.language, languages())
 
     def window(self) -> "Window":
-        """Open the window of a participant.
+        """Open the participant's window.
 
         Raises
         ------
         InvalidParameter
             If the screen is not connected.
         DeviceFailed
-            If it does not open.
+            If the window does not open.
         """
         from tactometry.rigs.window import Window
 
@@ -76,18 +77,17 @@ class DisplayTable:
 @dataclass(frozen=True)
 @constrained
 class OutputPart:
-    """The output, its gain and load, and the ramps of its signals.
+    """The output device, its gain and load, and the ramps of its signals.
 
     Parameters
     ----------
-    settings : OutputSettings
-        The device.
+    settings : OutputSettings Settings of the device.
     gain : Gain, optional
-        Voltage at the load for a sample of 1. Required if an amplifier is connected.
+        Voltage at the load for a sample value of 1. Required if an amplifier is connected.
     load : Load, optional
-        Load of the output.
+        Electrical load of the output.
     ramp_s : float
-        Duration of the ramps at both ends of each signal. It is 0 for a one-bit `packed` output.
+        Duration of the ramps at both ends of each signal. 0 for a one-bit `packed` output.
     ungated : bool
         Allow the output to play under a finger without a force sensor.
     """
@@ -110,10 +110,9 @@ class SensorPart:
 
     Parameters
     ----------
-    settings : SensorSettings
-        The device.
+    settings : SensorSettings Settings of the device.
     delay_s : float
-        Measured delay of its time stamps after the event.
+        Measured delay of the time stamps after the event.
     """
 
     settings: SensorSettings
@@ -125,7 +124,7 @@ class SensorPart:
 
 @dataclass(frozen=True)
 class ForcePart:
-    """The force: one channel of a sensor, and its calibration.
+    """The force: one channel of a sensor, with its calibration.
 
     Parameters
     ----------
@@ -136,7 +135,7 @@ class ForcePart:
     channel : int
         Channel of the sensor, from 0.
     release : bool
-        Whether the force must leave its band between touches.
+        True if the force must leave its band between touches.
     """
 
     sensor: str
@@ -155,15 +154,15 @@ class PositionPart:
     sensor : str
         Name of a sensor in `[sensors]`.
     channels : tuple of int
-        Channels of the sensor, from 0, one for each axis. A slide's path lies along the first.
+        Channels of the sensor, from 0, one for each axis. A slide's path lies along the first axis.
     metres_per_count : float
-        Scale of the counts. It is negative if counts decrease along the path.
+        Scale of the counts. Negative if the counts decrease along the path.
     zero_counts : tuple of float
-        Counts of each channel at position 0, the beginning of a slide's path.
+        Counts of each channel at position 0, which is the start of a slide's path.
     count_low : float, optional
-        Lowest count that is a position. Samples with a lower one are missing.
+        Lowest count that is a position. Samples with lower counts are missing.
     count_high : float, optional
-        Highest count that is a position, such as 254 if 255 means overload. Samples with a higher one are missing.
+        Highest count that is a position, such as 254 if 255 means overload. Samples with higher counts are missing.
     """
 
     sensor: str
@@ -197,7 +196,7 @@ class Learnt:
 
 @dataclass(frozen=True)
 class TracesTable:
-    """Samples of each touch that are stored.
+    """Kinds of samples that are stored for each touch.
 
     Parameters
     ----------
@@ -206,7 +205,7 @@ class TracesTable:
     position : bool
         Store samples of the position sensor.
     emitted : bool
-        Store the emitted signal of an output that followed the finger.
+        Store the emitted signal if it followed the finger.
     """
 
     force: bool = True

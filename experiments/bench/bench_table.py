@@ -1,4 +1,4 @@
-"""Reading and editing one table of a bench file, comments preserved."""
+"""Read and edit one table of a bench file, keeping its comments."""
 
 import tomllib
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from .bench_file import parse_bench
 
 
 def table_toml(name: str, values: Mapping[str, object]) -> str:
-    """Format a table of a bench file, without keys whose value is None.
+    """Format a table as TOML, without keys whose value is None.
 
     >>> print(table_toml("screen", {"height_m": 0.298, "language": None}), end="")
     [screen]
@@ -26,12 +26,12 @@ def table_toml(name: str, values: Mapping[str, object]) -> str:
 
 
 def stated_in(path: Path, name: str) -> dict[str, Any]:
-    """Return a table of a readable bench file (``output.gain``), or {}."""
+    """Return a table of a bench file (such as ``output.gain``), or {}."""
     return _within(read_table(path, "a bench file"), name)
 
 
 def with_values(text: str, name: str, values: Mapping[str, object]) -> str:
-    """Return a bench file's text with keys set, or removed if None.
+    """Return a bench file's text with keys set, or removed for None.
 
     >>> print(with_values("# ours\\n[screen]\\nheight_m = 0.3  # by ruler\\n", "screen", {"height_m": 0.298}), end="")
     # ours
@@ -56,18 +56,18 @@ def with_values(text: str, name: str, values: Mapping[str, object]) -> str:
 
 
 def write_values(path: Path, name: str, values: Mapping[str, object]) -> None:
-    """Set keys of a table of a bench file, as `with_values` does.
+    """Set keys of a table in a bench file, as `with_values` does.
 
     The file is replaced as a whole or not at all.
 
     Raises
     ------
     InvalidFile
-        If it cannot be read, or would be no bench file with these keys.
+        If the file cannot be read, or would be invalid with these keys.
     DeviceFailed
-        If it cannot be written.
+        If the file cannot be written.
     """
-    file = path.resolve()  # the target of a link
+    file = path.resolve()  # write to the target of a link, not over the link
     before = read_file(file, "a bench file", LARGEST_FILE).decode("utf-8-sig")
     with errors_in(path):
         after = _edited(before, name, values)
@@ -88,7 +88,7 @@ def _edited(before: str, name: str, values: Mapping[str, object]) -> str:
         is_done = _within(tomllib.loads(after), name) == wanted
     except (TOMLKitError, tomllib.TOMLDecodeError):
         is_done = False
-    expect(is_done, name, "a form of this table that cannot be edited", f"[{name}]; put it there by hand, as printed")
+    expect(is_done, name, "a layout of this table that cannot be edited", f"[{name}]; copy the printed keys by hand")
     return after
 
 

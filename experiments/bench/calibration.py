@@ -1,4 +1,4 @@
-"""Calibrations of a bench as keys of its file."""
+"""Calibrations of a bench, returned as keys of the bench file."""
 
 import time
 from collections.abc import Sequence
@@ -21,10 +21,10 @@ STANDARD_GRAVITY_M_PER_S2: Final = 9.80665
 FIRST_SAMPLE_WITHIN_S: Final = 5.0
 TONE_HZ: Final = 100.0
 RESIDUAL_AT_MOST: Final = 0.05
-"""Largest relative residual of a gain, and of a force as a part of the largest: limits and gates are as exact as these
-fits (unverified default)."""
+"""Largest residual of a fit, relative to the gain or to the largest force. Limits and gates are only as accurate as
+these fits (unverified default)."""
 BAR_PART: Final = 0.5
-"""Length of the bar that is measured on a display, as a part of its height."""
+"""Length of the bar that is measured on a display, as a fraction of the display's height."""
 BAR_WORDS: Final = """Measure the white bar
 
 Hold a ruler against the screen and read
@@ -36,7 +36,7 @@ in metres, once this page is closed."""
 
 @dataclass(frozen=True, eq=False)
 class ForceFit:
-    """Fitted force polynomial (N, N per count, ...) with its points."""
+    """Fitted force polynomial (N, N per count, ...) and the fitted points."""
 
     counts: FloatArray
     forces_n: FloatArray
@@ -59,13 +59,13 @@ def fit_force(
     gravity_m_per_s2: float = STANDARD_GRAVITY_M_PER_S2,
     residual_at_most: float = RESIDUAL_AT_MOST,
 ) -> ForceFit:
-    """Fit the weights' force to the sensor's counts by least squares.
+    """Fit the force of weights over a sensor's counts by least squares.
 
     Raises
     ------
     InvalidParameter
-        If there are fewer than `degree` + 2 weights, a number is not finite, a mass is below 0, counts neither rise
-        nor fall with the weights, or one is off the fit by more than `residual_at_most` of the largest force.
+        If there are fewer than `degree` + 2 weights, a number is not finite, or a mass is below 0. Also if the counts
+        neither rise nor fall with the weights, or a residual exceeds `residual_at_most` of the largest force.
 
     Examples
     --------
@@ -75,26 +75,31 @@ def fit_force(
     """
     mass, count = np.asarray(masses_kg, float), np.asarray(counts, float)
     enough = degree >= 1 and mass.ndim == 1 and mass.shape == count.shape and len(mass) >= degree + 2
-    expected = f"as many of both, at least {max(degree, 1) + 2} for degree {degree}"
+    expected = f"equally many of both, at least {max(degree, 1) + 2} for degree {degree}"
     expect(enough, "fit_force", f"{mass.size} masses and {count.size} counts", expected)
     if not (np.isfinite(mass).all() and np.isfinite(count).all() and np.all(mass >= 0)):
-        raise InvalidParameter("fit_force: found a mass or a count that is no finite number, or a mass below 0")
+        raise InvalidParameter("fit_force: found a mass or a count that is not finite, or a mass below 0")
     steps = np.diff(count[np.argsort(mass, kind="stable")])
     follows = np.all(steps > 0) or np.all(steps < 0)
-    expect(follows, "fit_force", "counts that neither rise nor fall with the weights", "that; measure them again")
+    expect(
+        follows,
+        "fit_force",
+        "counts that neither rise nor fall with the weights",
+        "a steady rise or fall; measure them again",
+    )
     forces_n = mass * gravity_m_per_s2
     fitted = np.polynomial.Polynomial.fit(count, forces_n, degree).convert().coef
     fit = ForceFit(count, forces_n, tuple(float(c) for c in np.pad(fitted, (0, degree + 1 - len(fitted)))))
     off = np.abs(fit.residuals_n) / fit.forces_n.max()
     worst = int(np.argmax(off))
-    place = f"{count[worst]:.6g} counts at {mass[worst]:g} kg, {off[worst]:.1%} of the largest force off the fit"
+    place = f"{count[worst]:.6g} counts at {mass[worst]:g} kg, off the fit by {off[worst]:.1%} of the largest force"
     most = f"at most {100 * residual_at_most:g}%; weigh again, or fit a higher degree"
     expect(off[worst] <= residual_at_most, "fit_force", place, most)
     return fit
 
 
 class GainFit(NamedTuple):
-    """Peak voltage at the load per part of full scale, and the residual."""
+    """Fitted peak voltage at the load for full scale, and its residual."""
 
     volts_per_unit: float
     residual_rms_v: float
@@ -106,8 +111,8 @@ def fit_gain(units: Sequence[float], volts: Sequence[float], *, residual_at_most
     Raises
     ------
     InvalidParameter
-        If there are fewer than two points, one is not above 0, or one is off the line by more than
-        `residual_at_most` of it.
+        If there are fewer than two points, a value is not above 0, or a point is off the line by more than the share
+        `residual_at_most`.
 
     Examples
     --------
@@ -116,7 +121,7 @@ def fit_gain(units: Sequence[float], volts: Sequence[float], *, residual_at_most
     """
     unit, volt = np.asarray(units, float), np.asarray(volts, float)
     paired = unit.ndim == 1 and unit.shape == volt.shape and len(unit) >= 2
-    expect(paired, "fit_gain", f"{unit.size} and {volt.size} values", "as many, at least two")
+    expect(paired, "fit_gain", f"{unit.size} and {volt.size} values", "equally many of both, at least two")
     above_0 = all(np.all((values > 0) & np.isfinite(values)) for values in (unit, volt))
     expect(above_0, "fit_gain", "a value that is not a finite number above 0", "peak voltages")
     volts_per_unit = float(unit @ volt / (unit @ unit))
@@ -124,18 +129,18 @@ def fit_gain(units: Sequence[float], volts: Sequence[float], *, residual_at_most
     off = np.abs(volt - line_v) / line_v
     worst = int(np.argmax(off))
     place = f"{volt[worst]:.6g} V at {unit[worst]:g} of full scale, {off[worst]:.1%} off the line through zero"
-    most = f"at most {100 * residual_at_most:g}%; measure again, below what clips"
+    most = f"at most {100 * residual_at_most:g}%; measure again without clipping"
     expect(off[worst] <= residual_at_most, "fit_gain", place, most)
     return GainFit(volts_per_unit, float(np.sqrt(np.mean(np.square(volt - line_v)))))
 
 
 def show_bar(screen: Display) -> None:
-    """Show the measured bar until a key is pressed or the screen is touched.
+    """Show a bar to measure, until a key is pressed or the screen touched.
 
     Raises
     ------
     Stopped
-        If Escape was pressed, or the window closed.
+        If Escape was pressed or the window was closed.
     """
     page = bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), screen.aspect, BAR_PART)
     Presenter(screen, _give_up).converse(None, lambda state: page, lambda state, answer: (state, True))
@@ -159,9 +164,9 @@ def display_height_m(bar_m: float) -> float:
 
 
 def force_values(fit: ForceFit, sensor: str, channel: int, on: date, by: str) -> dict[str, object]:
-    """Return the fit as keys of ``[force]`` of a bench file.
+    """Return the fit as keys of the bench file's ``[force]`` table.
 
-    The force is unknown outside the range of the weights' counts. Keys of other forms of a calibration are None.
+    The force is unknown outside the counts of the weights. Keys of other kinds of calibration are None.
     """
     span = float(np.ptp(fit.counts))
     low, high = float(fit.counts.min()) - 0.1 * span, float(fit.counts.max()) + 0.1 * span
@@ -171,18 +176,18 @@ def force_values(fit: ForceFit, sensor: str, channel: int, on: date, by: str) ->
 
 
 def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
-    """Average a channel of an open reader from its first sample on.
+    """Average a channel of an open reader, starting at its first sample.
 
     Raises
     ------
     InvalidParameter
         If the sensor has no such channel.
     DeviceFailed
-        If it is silent.
+        If the sensor sends nothing.
     """
     reader.check_channels("channel", channel)
     listener = reader.listen()
-    # A board may begin to send some time after its line was opened.
+    # A board may start sending only some time after its port is opened.
     first = next(listener.blocks(time.perf_counter() + FIRST_SAMPLE_WITHIN_S), None)
     if first is None:
         silent = f"found no sample in {FIRST_SAMPLE_WITHIN_S:g} s, expected a sensor that sends"

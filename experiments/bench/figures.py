@@ -12,7 +12,7 @@ from .calibration import ForceFit
 
 
 def force_figure(fit: ForceFit, path: Path) -> None:
-    """Plot forces against counts with the fit and its residuals."""
+    """Plot force over counts, with the fit and its residuals."""
     figure, (above, below) = sheet(2, 1, height_in=5.5)
     counts = np.linspace(fit.counts.min(), fit.counts.max(), 200)
     above.plot(counts, np.polynomial.polynomial.polyval(counts, fit.polynomial), color=BLUE, label="fit")
@@ -25,7 +25,7 @@ def force_figure(fit: ForceFit, path: Path) -> None:
 
 
 def responses_figure(responses: Responses, path: Path) -> None:
-    """Plot the first learned response over time and the spectra of all."""
+    """Plot the first learned response over time, and all spectra."""
     figure, (above, below) = sheet(2, 1, height_in=5.5)
     unit = {"displacement": "m/V", "velocity": "m/s/V", "acceleration": "m/s²/V"}[responses.quantity]
     times_s = np.arange(responses.n_samples) / responses.rate_hz

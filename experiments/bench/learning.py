@@ -21,15 +21,15 @@ from tactometry.stimuli.time_reversal.responses.responses import Responses
 
 LEAD_S: Final = 0.1
 REPEATABILITY: Final = 0.9
-"""Smallest share of a focus from one response that the next one must keep (unverified default)."""
+"""Smallest share of a focus that must remain between repeated responses (unverified default)."""
 CLIPPED: Final = 0.999
 
 
 @dataclass(frozen=True)
 class Microphone:
-    """Sensor channels of a point (`channel`) and the drive (`reference`).
+    """Sensor channels of a point (`channel`) and of the drive (`reference`).
 
-    A count of 1 is `units_per_count` m, m/s or m/s^2 at the point, and `volts_per_count` V at the load.
+    One count equals `units_per_count` (m, m/s or m/s^2) at the point, and `volts_per_count` (V) at the load.
     """
 
     reader: Reader
@@ -41,18 +41,19 @@ class Microphone:
     def __post_init__(self) -> None:
         n = self.reader.source.n_channels
         two = len({self.channel, self.reference} & set(range(n))) == 2
-        expected = f"two of 0 to {n - 1}, those of {self.reader.source.name}"
+        expected = f"two different channels from 0 to {n - 1} of {self.reader.source.name}"
         expect(two, "channel, reference", f"{self.channel} and {self.reference}", expected)
 
 
 @dataclass(frozen=True)
 @constrained
 class Learning:
-    """Settings for learning responses.
+    """Settings for learning impulse responses.
 
-    Each of `channels` plays the excitation `n_repeats` times at `voltage_v`, and `duration_s` of the response is kept.
-    `reference_output` is an output channel that also carries the drive, for a cable back to the reference. Without it,
-    the reference must record whichever channel plays.
+    Each of the `channels` plays the excitation `n_repeats` times at `voltage_v`. The first `duration_s` of the response
+    are kept.
+    `reference_output` is an output channel that also plays the drive and is wired to the reference input. Without it,
+    the reference input must record whichever channel plays.
     """
 
     excitation: Excitation
@@ -66,12 +67,12 @@ class Learning:
 
     @property
     def recorded_s(self) -> float:
-        """Duration of a recording: excitation, response, and rests around them."""
+        """Duration of a recording: excitation, response, and pauses around them."""
         return len(self.excitation.samples) / self.excitation.rate_hz + self.duration_s + 2 * LEAD_S
 
 
 class Heard(NamedTuple):
-    """Responses (1, 1, n_samples) of repetitions, and of the silence before."""
+    """Responses (1, 1, n_samples) of the repetitions and of silence."""
 
     repeats: tuple[Responses, ...]
     quiet: Responses
@@ -85,9 +86,9 @@ class Heard(NamedTuple):
 class Quality(NamedTuple):
     """Quality of the measured responses of a channel.
 
-    `snr_db` is the energy of its response over that of the silence, taken as a response; infinite without noise.
-    `repeatability` is the smallest normalised correlation of two of its responses: the share of a focus, driven with
-    one response, that is left if the other one is true.
+    `snr_db` is the energy of the response over that of the response computed from silence. It is infinite without
+    noise. `repeatability` is the smallest normalised correlation between two responses of the channel. It equals the
+    share of a focus that remains if one response drives it and the other one is true.
     """
 
     snr_db: float
@@ -95,7 +96,7 @@ class Quality(NamedTuple):
 
 
 def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
-    """Compute the quality of at least two responses in a band.
+    """Compute the quality of at least two responses in a frequency band.
 
     Examples
     --------
@@ -117,7 +118,7 @@ def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
 def repeatable(
     heard: Iterable[tuple[int, Heard]], band_hz: tuple[float, float], at_least: float
 ) -> Iterator[tuple[Heard, Quality]]:
-    """Yield each channel's responses and quality, if repeatable enough.
+    """Yield each channel's responses and quality. Reject a low repeatability.
 
     Raises
     ------
@@ -126,29 +127,29 @@ def repeatable(
     """
     for channel, each in heard:
         found = quality(each, band_hz)
-        words = f"a repeatability of {found.repeatability:.3f} at a signal-to-noise ratio of {found.snr_db:.1f} dB"
-        cure = f"at least {at_least:g}; play louder or longer, and let nothing move; nothing was written"
+        words = f"repeatability {found.repeatability:.3f} at a signal-to-noise ratio of {found.snr_db:.1f} dB"
+        cure = f"at least {at_least:g}; repeat louder or longer, without movement. Nothing was written"
         expect(found.repeatability >= at_least, f"channel {channel}", words, cure, DeviceFailed)
         yield each, found
 
 
 def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterator[Heard]:
-    """Measure the responses to each channel in turn, with open devices.
+    """Yield the measured responses to each channel in turn. Opens no device.
 
-    First, the silence is recorded.
+    The silence is recorded first. The devices must be open.
 
     Raises
     ------
     DeviceFailed
-        If samples were lost or clipped, what was played has gaps, nothing was heard, or the rates differ.
+        If samples were lost or clipped, playback had gaps, nothing was recorded, or the sampling rates differ.
     LimitExceeded
-        If the excitation passes a limit.
+        If the excitation exceeds a limit.
     """
     rate_hz = microphone.reader.source.rate_hz
     excitation_hz, output_hz = learning.excitation.rate_hz, output.driver.rate_hz
     rates = f"an excitation at {excitation_hz:g} Hz, an output at {output_hz} Hz and a sensor at {rate_hz:g} Hz"
     is_one = excitation_hz == rate_hz and output_hz in (None, rate_hz)
-    expect(is_one, "calibrate", rates, "one rate; nothing was played", DeviceFailed)
+    expect(is_one, "calibrate", rates, "the same sampling rate; nothing was played", DeviceFailed)
     listener = microphone.reader.listen()
     quiet = _record(listener, microphone, time.perf_counter() + learning.recorded_s)
     for channel in learning.channels:
@@ -162,7 +163,7 @@ def _played(
     learning: Learning, signal: Signal, output: Guarded, listener: Listener, microphone: Microphone
 ) -> FloatArray:
     """Play a signal and return its recording, (n_channels, n_samples)."""
-    listener.read()  # discard samples from before this recording
+    listener.read()  # discard samples that arrived before this recording
     time.sleep(LEAD_S)
     onset_s = output.play(signal)
     recorded = _record(listener, microphone, onset_s + learning.recorded_s - LEAD_S)
@@ -173,12 +174,12 @@ def _played(
 def expect_whole(output: Guarded) -> None:
     """Raise `DeviceFailed` if an output played with gaps."""
     if n_gaps := output.n_gaps():
-        found = f"found {count_of(n_gaps, 'gap')} in what was played, expected none"
-        raise DeviceFailed(f"output {output.name!r}: {found}; close other programs and begin again")
+        found = f"found {count_of(n_gaps, 'gap')} in playback, expected none"
+        raise DeviceFailed(f"output {output.name!r}: {found}; close other programs and repeat the measurement")
 
 
 def join(responses: Sequence[Responses]) -> Responses:
-    """Join one point's responses to several channels."""
+    """Join the responses of one point to several channels."""
     samples = np.concatenate([response.samples for response in responses], axis=1)
     return Responses(samples, responses[0].rate_hz, responses[0].quantity)
 
@@ -187,7 +188,7 @@ def _signal(learning: Learning, channel: int, n_channels: int) -> Signal:
     samples = np.zeros((n_channels, len(learning.excitation.samples)))
     reference = channel if learning.reference_output is None else learning.reference_output
     for played in {channel, reference}:
-        expect(0 <= played < n_channels, "channel", played, f"from 0 to {n_channels - 1}, those of the output")
+        expect(0 <= played < n_channels, "channel", played, f"an output channel from 0 to {n_channels - 1}")
         samples[played] = learning.voltage_v * learning.excitation.samples
     return Signal(samples, learning.excitation.rate_hz, "V")
 
@@ -201,11 +202,11 @@ def _record(listener: Listener, microphone: Microphone, end_s: float) -> FloatAr
         if block.times_s[-1] >= end_s:
             break
     else:
-        raise DeviceFailed(f"{source.name}: the sensor fell silent in the middle of a recording; begin again")
+        raise DeviceFailed(f"{source.name}: the sensor stopped sending during a recording; repeat it")
     recorded = np.concatenate(values).T
     chosen = recorded[[microphone.channel, microphone.reference]]
     if microphone.reader.facts().get("n_overruns"):
-        raise DeviceFailed(f"{source.name}: samples were lost in the recording; close other programs and begin again")
+        raise DeviceFailed(f"{source.name}: samples were lost in the recording; close other programs and repeat it")
     if np.abs(chosen).max() >= CLIPPED:
         raise DeviceFailed(f"{source.name}: the recording is clipped; lower the voltage or the sensor's range")
     return recorded
@@ -214,13 +215,18 @@ def _record(listener: Listener, microphone: Microphone, end_s: float) -> FloatAr
 def _response(
     learning: Learning, microphone: Microphone, recorded: FloatArray, heard: FloatArray | None = None
 ) -> Responses:
-    """Return the response in a recording, or in one `heard` earlier."""
+    """Compute the response from a recording's drive.
+
+    The point's signal is taken from the same recording, or from `heard`.
+    """
     heard = recorded if heard is None else heard
     drive = recorded[microphone.reference] * microphone.volts_per_count
     point = heard[microphone.channel] * microphone.units_per_count
     if not (recorded[microphone.channel].any() and drive.any()):
         name = microphone.reader.source.name
-        raise DeviceFailed(f"{name}: the channel or its reference heard nothing, expected both to; check the cables")
+        raise DeviceFailed(
+            f"{name}: found no signal on the channel or its reference, expected one on both; check the cables"
+        )
     n = math.ceil(learning.duration_s * learning.excitation.rate_hz)
     response = deconvolve(drive, point, n, regularisation=learning.regularisation)
     return Responses(response[None, None], learning.excitation.rate_hz, learning.quantity)

@@ -29,30 +29,30 @@ from .stimuli import bank_on
 
 LISTEN_S = 2.0
 RATE_TOLERANCE = 0.02
-"""Of a sensor's nominal rate (unverified default)."""
+"""Largest deviation from a sensor's nominal rate, as a share of that rate (unverified default)."""
 MAX_GAP_S: Final = ForceGate(target_n=1.0, tolerance=0.1, hold_s=0.0).max_gap_s
 LATENCY_AT_MOST_S = 0.02
-"""Age of the newest sample when it is read (unverified default)."""
+"""Largest median age of the newest sample when it is read (unverified default)."""
 TONE_PART = 0.1
-"""The test tone's part of the voltage limit (unverified default)."""
+"""Voltage of the test tone, as a share of the limit (unverified default)."""
 TONE_S, TONE_RAMP_S = 0.5, 0.1
 
 
 def check(
     study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool, allow_code: bool = False
 ) -> list[Finding]:
-    """Check everything in turn and report each failure as a finding.
+    """Run all checks in turn, and return each result as a finding.
 
     Parameters
     ----------
     study : str, optional
-        Name or path; its limits apply in addition to those of the bench.
+        Name or path of a study. Its limits apply in addition to those of the bench.
     folder : Path
         Folder for the data.
     hands_off : bool
-        Whether the experimenter stated that nobody touches the surface, as a connected output requires.
+        True if the experimenter stated that nobody touches the surface. Required for a connected output.
     allow_code : bool
-        Whether custom code that the study names may run.
+        True if custom code named by the study may run.
     """
     findings, experiment = _study(study, allow_code=allow_code) if study is not None else ([], None)
     limits = experiment.study.limits if experiment is not None else bench.limits
@@ -81,7 +81,7 @@ def _study(study: str, *, allow_code: bool) -> tuple[list[Finding], Experiment |
 def devices(
     bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
 ) -> Iterator[Finding]:
-    # Without any limits, at most 1 V is played. Nobody touches the surface, so that no force gate is needed.
+    # Without limits, at most 1 V is played. Nobody touches the surface, so no force gate is needed.
     connected = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today(), touched=False)
     for name, reader in connected.readers.items():
         yield from findings_of(f"sensor {name}", _sensor(name, reader))
@@ -129,7 +129,9 @@ def _output_findings(
     output: Guarded, bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
 ) -> Iterator[Finding]:
     if output.limits is not None and output.driver.connected:
-        yield duration("output", "worst-case stop, by the bench file", bench.stop_delay_s, output.limits.longest_stop_s)
+        yield duration(
+            "output", "worst-case stop, from the bench file", bench.stop_delay_s, output.limits.longest_stop_s
+        )
     if output.limits is not None and output.load is not None:
         output.limits.check_stated(output.load)
         yield _current_of_a_stop(output, output.limits, output.load)
@@ -139,10 +141,10 @@ def _output_findings(
 
 
 def _current_of_a_stop(output: Guarded, limits: Limits, load: Load) -> Finding:
-    """Report the largest current of a stop, which is never refused."""
-    what = "largest current of a stop, no limit holds"
+    """Report the largest current of a stop, which never fails the check."""
+    what = "largest current of a stop, without a limit"
     if output.driver.fall_s == 0:
-        return Finding("output", what, "that of one step of the device, as fast as the amplifier follows")
+        return Finding("output", what, "current of one output step, as fast as the amplifier follows")
     voltage_v = min(limits.voltage_peak_v, output.driver.full_scale_v)
     current_a = load.current_peak_a(Signal(np.array([[voltage_v]]), 1 / output.driver.fall_s, "V"))
     return Finding("output", what, f"{current_a:.3g} A from {voltage_v:.3g} V in {1e3 * output.driver.fall_s:g} ms")
@@ -150,10 +152,10 @@ def _current_of_a_stop(output: Guarded, limits: Limits, load: Load) -> Finding:
 
 def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Iterator[Finding]:
     if limits is None and not output.driver.connected:
-        yield Finding("output", "limits", "none stated; give a study or a bench file with limits")
+        yield Finding("output", "limits", "none stated; name a study or a bench file with limits")
         return
     if output.driver.connected and not hands_off:
-        yield Finding("output", "test tone", "not played: nobody said that hands are off", "--hands-off", fine=False)
+        yield Finding("output", "test tone", "not played: the option --hands-off is missing", "--hands-off", fine=False)
         return
     with closing(output):
         output.open()
@@ -174,7 +176,7 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
 
 
 def tone_of(output: Guarded) -> Signal:
-    """Return a tone at `TONE_PART` of the limit, or a one-bit square wave."""
+    """Return a tone at `TONE_PART` of the limit, or a square wave for one bit."""
     n_channels, rate_hz = output.driver.n_channels or 1, output.driver.rate_hz or 48_000.0
     if output.driver.one_bit:
         bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)

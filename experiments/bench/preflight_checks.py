@@ -31,7 +31,7 @@ from .stimuli import check_followed
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of one check; `fine` is None if there is nothing to judge."""
+    """Result of one check. `fine` is None if the check has no criterion."""
 
     part: str
     what: str
@@ -43,15 +43,15 @@ class Finding:
 
 FREE_BYTES = 10**9
 SYNC_AT_MOST_S = 0.1
-"""Largest time to write a trial's record to the disk, of ten (unverified default)."""
+"""Largest time to write a trial's record to disk, among ten writes (unverified default)."""
 N_FRAMES = 60
 DROPPED_AT_MOST = 0.01
 """Largest share of dropped frames (unverified default)."""
 PERIOD: Final = "frame_period"
 N_KEYS, KEYS_WITHIN_S = 3, 10.0
-"""Number of requested key presses, and the longest wait for them."""
+"""Number of requested key presses, and the longest wait (s) for them."""
 KEY_TO_RECORD_AT_MOST_S = 0.05
-"""Three frames: one until the key is read, and the disk (unverified default)."""
+"""About three frames: one until the key is read, the rest for the disk (unverified default)."""
 
 
 def computer() -> Iterator[Finding]:
@@ -77,7 +77,7 @@ def disk(folder: Path) -> Iterator[Finding]:
     except OSError as error:
         yield Finding("disk", "writing", f"{folder}: {error.strerror}", "a folder that can be written", fine=False)
         return
-    yield duration("disk", "a record, to disk", longest_s, SYNC_AT_MOST_S)
+    yield duration("disk", "time to write a record to disk", longest_s, SYNC_AT_MOST_S)
 
 
 def _longest_sync_s(folder: Path, n_records: int = 10) -> float:
@@ -92,7 +92,7 @@ def _longest_sync_s(folder: Path, n_records: int = 10) -> float:
 
 @contextmanager
 def recorder(folder: Path) -> Iterator[Callable[[], None]]:
-    """Yield a function that writes a record of a trial's size to the disk."""
+    """Yield a function that writes a record the size of a trial's to disk."""
     import tempfile
 
     with tempfile.TemporaryFile(dir=folder) as file:
@@ -114,7 +114,7 @@ def display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
         facts, screens = window.facts(), window.screens()
         timing = timing_of(window.frame_intervals_s(), window.period_s)
         pressed = _try_keys(window, screen.language, folder)
-    participant = f", the participant's is screen {screen.screen}" if len(screens) > 1 else ""
+    participant = f"; the participant uses screen {screen.screen}" if len(screens) > 1 else ""
     yield Finding("display", "connected", f"{'; '.join(map(str, screens))}{participant}", fine=True)
     yield from _screen_findings(screen, facts, timing)
     yield pressed
@@ -123,9 +123,10 @@ def display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
 def key_to_record_s(
     screen: Display, page: Page, record: Callable[[], None], n_keys: int, within_s: float
 ) -> list[float]:
-    """Measure the time from key presses to their records on the disk, s.
+    """Measure the time (s) from key presses to their records on disk.
 
-    The page is shown until `n_keys` were pressed or `within_s` are over. `record` returns when a record is on disk.
+    The page is shown until `n_keys` keys were pressed or `within_s` seconds have passed. `record` returns when a record
+    is on disk.
     """
     delays_s: list[float] = []
     onset_s = screen.present(page)
@@ -177,13 +178,13 @@ def _period(facts: Facts) -> Finding:
 
 
 def duration(part: str, what: str, measured_s: float, longest_s: float) -> Finding:
-    """Check that a time is not longer than allowed."""
+    """Return a finding on whether a time is at most `longest_s`."""
     words = f"{1e3 * measured_s:.1f} ms", f"at most {1e3 * longest_s:g} ms"
     return Finding(part, what, *words, fine=measured_s <= longest_s)
 
 
 def exit_status(findings: list[Finding]) -> int:
-    """Return 3 if a device failed, 1 if something else is not fine, else 0.
+    """Return 3 if a device failed, 1 if another check failed, else 0.
 
     >>> exit_status([Finding("disk", "free", "1 GB", fine=True), Finding("display", "", "", fine=False, device=True)])
     3
@@ -194,7 +195,7 @@ def exit_status(findings: list[Finding]) -> int:
 
 
 def findings_of(part: str, findings: Iterator[Finding]) -> Iterator[Finding]:
-    """Yield the findings of a part, and one more if its check fails."""
+    """Yield the findings of a part, and a last one if its check raises."""
     try:
         yield from findings
     except TactometryError as error:
@@ -204,7 +205,7 @@ def findings_of(part: str, findings: Iterator[Finding]) -> Iterator[Finding]:
 HEARD_S = 1.0
 FIRST_WITHIN_S = 3.0
 FEW_BITS = (8, 10, 12, 14, 16)
-"""Resolutions of position sensors."""
+"""Resolutions (bits) of position sensors whose full scale is checked."""
 
 
 def force(sensor: StreamedSensor) -> Iterator[Finding]:
@@ -229,7 +230,7 @@ def position(connected: Devices, bench: BenchFile, experiment: Experiment | None
 
 def _at_rest(sensor: StreamedSensor, part: PositionPart, slides: list[Sliding]) -> Iterator[Finding]:
     times_s, places_m = _heard(sensor)
-    yield from _known("position", places_m, "samples that tell a place")
+    yield from _known("position", places_m, "samples with a position")
     is_known = np.isfinite(places_m).all(axis=1)
     if not is_known.any():
         return
@@ -241,9 +242,9 @@ def _at_rest(sensor: StreamedSensor, part: PositionPart, slides: list[Sliding]) 
 
 
 def _at_full_scale(counts: FloatArray) -> Iterator[Finding]:
-    """Find samples at the largest count of a sensor with few bits.
+    """Yield a finding if samples have the largest count of the sensor.
 
-    Such sensors send it at overload or without a finger.
+    Sensors with few bits send that count at overload or without a finger.
     """
     for axis in np.rint(counts).T:
         bits = int(axis.max()).bit_length() if axis.max() > 0 else 0
@@ -261,18 +262,18 @@ def _speed(found_m_per_s: float | None, slides: list[Sliding]) -> Finding:
     words = f"{1e3 * found_m_per_s:.3g} mm/s at most"
     if not least:
         return Finding("position", "speed, at rest", words)
-    expected = f"at most {1e3 * min(least):.3g} mm/s, what a slide's speed may be off"
+    expected = f"at most {1e3 * min(least):.3g} mm/s, the speed tolerance of a slide"
     return Finding("position", "speed, at rest", words, expected, found_m_per_s <= min(least), device=True)
 
 
 def _band_m_per_s(slide: Sliding) -> float:
-    """Return half the width of a slide's speed band, or its lower margin."""
+    """Return the speed tolerance of a slide, or its lower margin if smaller."""
     tolerance = slide.speed_tolerance or 0.0
     return slide.speed_m_per_s * min(tolerance, max(1 - tolerance, 0.0))
 
 
 def fastest_m_per_s(times_s: FloatArray, along_m: FloatArray) -> float | None:
-    """Return the highest speed that the gate of a slide measures, or None.
+    """Return the highest speed that a slide's gate measures, or None.
 
     >>> time_s = np.arange(200) / 1000
     >>> round(fastest_m_per_s(time_s, 0.05 * time_s), 9)
@@ -292,7 +293,7 @@ def _slides(experiment: Experiment | None) -> list[Sliding]:
 
 
 def _heard(sensor: StreamedSensor) -> tuple[FloatArray, FloatArray]:
-    """Read a sensor for a while from its first sample, which may be late."""
+    """Read a sensor for `HEARD_S`, starting at its first sample."""
     with closing(sensor):
         sensor.open()
         silent_s = time.perf_counter() + FIRST_WITHIN_S
@@ -306,7 +307,7 @@ def _heard(sensor: StreamedSensor) -> tuple[FloatArray, FloatArray]:
 
 
 def _known(part: str, values: FloatArray, what: str) -> Iterator[Finding]:
-    """Check that a sensor sends samples, and how many are known."""
+    """Check that a sensor sends samples, and that all are known."""
     if not values.size:
         yield Finding(part, "samples", f"0 in {FIRST_WITHIN_S:g} s", "a sensor that sends", fine=False, device=True)
         return

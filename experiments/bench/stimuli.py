@@ -1,4 +1,4 @@
-"""Stimuli of a study as a bench plays them."""
+"""Stimuli of a study, adapted to the output of a bench."""
 
 import math
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ from .bench_parts import Learnt, OutputPart
 
 @dataclass(frozen=True)
 class OnChannels:
-    """A stimulus on some channels of `n_channels`; the others are off."""
+    """Stimulus on some of `n_channels` channels. The others are off."""
 
     stimulus: Stimulus
     channels: tuple[int, ...]
@@ -34,9 +34,9 @@ class OnChannels:
         return self.stimulus.level_unit
 
     def at(self, level: float) -> Signal:
-        """Return the signal on the output's channels.
+        """Return the signal at a level, on the output's channels.
 
-        A signal with another number of channels is unchanged, so that the output refuses it.
+        A signal with another number of channels is returned unchanged, so that the output rejects it.
         """
         signal = self.stimulus.at(level)
         if signal.samples.shape[0] != len(self.channels):
@@ -48,9 +48,9 @@ class OnChannels:
 
 @dataclass(frozen=True)
 class CommandedSupply:
-    """Switched stimulus whose supply falls with the level from `highest` on.
+    """Switched stimulus whose supply falls with the level, below `highest`.
 
-    Drives are proportional to the supply. Below this share, bursts and pulses become shorter.
+    Drives are proportional to the supply. Below the lowest supply, bursts and pulses become shorter.
     """
 
     stimulus: Stimulus
@@ -73,8 +73,8 @@ class CommandedSupply:
 class Board:
     """Board that switches between `supply_v`, its negative and off.
 
-    Its channels move plates, except that of an `electrode`. The length of bursts sets the level of a focus, the width
-    of pulses that of an electrovibration carrier. A supply with a `lowest_supply_v` is lowered first.
+    Its channels drive actuators on a plate, except the one of an `electrode`. The burst length sets the level of a
+    focus, the pulse width that of an electrovibration carrier. A supply with a `lowest_supply_v` is lowered first.
     """
 
     supply_v: float
@@ -84,9 +84,9 @@ class Board:
     lowest_supply_v: float | None = None
 
     def made(self, stimulus: Stimulus, highest: float) -> Stimulus:
-        """Return a stimulus as switched by this board up to a level.
+        """Return a stimulus as this board switches it, up to a highest level.
 
-        A stimulus that it cannot switch is unchanged, so that the output refuses it.
+        A stimulus that the board cannot switch is returned unchanged, so that the output rejects it.
         """
         switched = self._switched(stimulus)
         if switched is stimulus or self.lowest_supply_v is None:
@@ -133,7 +133,7 @@ def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
     Raises
     ------
     InvalidFile, InvalidParameter
-        If learned responses cannot be read or do not suit a stimulus, or the board cannot switch one.
+        If learned responses cannot be read or do not suit a stimulus, or the board cannot switch a stimulus.
     """
     bank, board = bank_of(experiment, bench.time_reversal), board_of(bench.output)
     if board is None:
@@ -149,14 +149,14 @@ def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
 
 
 def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:
-    """Return the stimuli by name, those of plates from learned responses.
+    """Return the stimuli by name, on plates computed from learned responses.
 
     Raises
     ------
     InvalidFile
         If the file cannot be read.
     InvalidParameter
-        If the responses do not suit a stimulus, or its highest level needs more than the amplifier has.
+        If the responses do not suit a stimulus, or its highest level exceeds the amplifier.
     """
     if learnt is None:
         return experiment.bank
@@ -198,25 +198,25 @@ def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
 
 
 def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices) -> None:
-    """Refuse a texture that position sensor or output cannot follow.
+    """Reject a texture that the position sensor or output cannot follow.
 
     Raises
     ------
     InvalidParameter
-        If there is no position sensor, it is a recording, or too slow for the texture at the speed of the touch.
+        If there is no position sensor, or it is a recording, or too slow for the texture at the speed of the touch.
     DeviceFailed
         If the output accepts no signal that follows a finger.
     """
     driver = devices.output.driver
     for cell in experiment.cells.values() if driver.emits else ():
-        stimulus = cell.stimulus  # no bench changes one that follows a finger
+        stimulus = cell.stimulus  # a bench never changes a stimulus that follows a finger
         if not isinstance(stimulus, FollowsFinger):
             continue
         if devices.position is None or bench.position is None:
             raise InvalidParameter(NO_POSITION)
-        recording = f"{bench.position.sensor!r}, a recording, which knows of no finger"
+        recording = f"{bench.position.sensor!r}, a recording, which cannot detect a finger"
         is_live = bench.sensors[bench.position.sensor].settings.live or not driver.connected
-        expect(is_live, "position.sensor", recording, "a sensor; nothing was played")
+        expect(is_live, "position.sensor", recording, "a live sensor; nothing was played")
         expect_following(driver)
         sensor = f"sensors.{bench.position.sensor}"
         with rewording(lambda words, sensor=sensor: words.replace("sensor", sensor, 1)):  # type: ignore[misc]

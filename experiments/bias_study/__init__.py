@@ -1,1 +1,1 @@
-"""Simulated participants: statuses, coverage and bias of their estimates."""
+"""Simulation study of estimates: statuses, coverage and bias."""

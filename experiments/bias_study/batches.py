@@ -1,4 +1,4 @@
-"""Many simulated tracks with their fits, in batches."""
+"""Simulated tracks and their fits, in batches."""
 
 import hashlib
 import io
@@ -24,7 +24,7 @@ from ..harness import arrow, keep_chunks
 from ..workers import Spread, here
 
 BATCH = 2000
-"""Tracks at a time: about 25 MB."""
+"""Number of tracks in memory at a time, about 25 MB."""
 TRACKS = "tracks"
 COLUMNS: Final = {
     "true_threshold": "float64",
@@ -41,7 +41,7 @@ COLUMNS: Final = {
 class Respondents:
     """Simulated participants whose thresholds are normally distributed.
 
-    Thresholds are in the unit of the felt level. All other parameters are equal.
+    Thresholds are in the unit of the felt level. All participants share the other parameters.
     """
 
     threshold: float
@@ -56,7 +56,7 @@ class Respondents:
 class FittedTracks:
     """True thresholds (n_sets,), ending codes, and fits of tracks.
 
-    The codes are those of `protocols.procedures.stepping`.
+    `protocols.procedures.stepping` defines the ending codes.
     """
 
     thresholds: NDArray[np.float64]
@@ -74,10 +74,10 @@ def fitted_tracks(
     table: LevelTable | None = None,
     size: int = BATCH,
 ) -> Iterator[FittedTracks]:
-    """Yield `size` tracks for each batch number.
+    """Yield `size` fitted tracks for each batch number.
 
-    Each batch has a separate random generator: any process can make any batch, in any order. With a `table` the levels
-    of the stimulus are felt as it states, and fitted unchanged.
+    Each batch has a separate random generator, so any process can compute any batch, in any order. A `table` maps the
+    levels of the stimulus to felt levels. The fit uses the levels of the stimulus.
 
     >>> from tactometry.protocols import Staircase
     >>> people = Respondents(20.0, 3.0, 8.0, guess_rate=0.5, lapse_rate=0.02)
@@ -101,9 +101,9 @@ def fitted_tracks(
 
 @dataclass(frozen=True, eq=False)
 class TrackRun:
-    """Batches of `size` tracks of `fitted_tracks`, written to files.
+    """Run of `fitted_tracks` in batches of `size` tracks, written to files.
 
-    A file has `n_together` batches.
+    Each file contains `n_together` batches.
 
     Raises
     ------
@@ -126,13 +126,13 @@ class TrackRun:
 
     @property
     def chunks(self) -> list[range]:
-        """Batch numbers of each file."""
+        """Batch numbers in each file."""
         starts = range(0, self.n_batches, self.n_together)
         return [range(first, min(first + self.n_together, self.n_batches)) for first in starts]
 
     @property
     def asked(self) -> dict[str, Any]:
-        """Everything that determines the results, except versions."""
+        """All inputs that determine the results, except versions."""
         numbers = {name: getattr(self, name) for name in ("seed", "n_trials", "n_batches", "size", "n_together")}
         content = b"" if self.table is None else self.table.levels.tobytes() + self.table.felt.tobytes()
         digest = hashlib.sha256(content).hexdigest() if content else None
@@ -140,7 +140,7 @@ class TrackRun:
 
 
 def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spread = here) -> Iterator[Path]:
-    """Write the files of a run and yield each path.
+    """Write the files of a run, and yield the path of each.
 
     The same run gives the same bytes with any number of workers.
 
@@ -150,16 +150,16 @@ def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spr
     Parameters
     ----------
     root : Path
-        Folder, made if missing.
+        Output folder, created if missing.
     resume : bool
-        Continue an interrupted run: complete files are kept.
+        Continue an interrupted run and keep its complete files.
 
     Raises
     ------
     InvalidFile
-        If the folder contains this run and `resume` is not given, or another run.
+        If the folder contains another run, or contains this run and `resume` is False.
     DeviceFailed
-        Without pyarrow (an extra: power).
+        If pyarrow (extra: power) is not installed.
     """
     arrow("tracks")
     prepare(root, run.asked, "run of tracks", resume=resume)
@@ -169,7 +169,7 @@ def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spr
 
 
 def chunk_content(job: tuple[TrackRun, range]) -> bytes:
-    """Return the content of a file, with one batch in memory at a time."""
+    """Return the content of a file. Keeps one batch in memory at a time."""
     run, part = job
     content, pa = io.BytesIO(), arrow("tracks")
     schema = pa.schema([(name, getattr(pa, kind)()) for name, kind in COLUMNS.items()], {"simulated": "true"})

@@ -1,7 +1,7 @@
-"""Coverage of equality points and just noticeable differences.
+"""Coverage of points of subjective equality (PSEs) and of JNDs.
 
-A lapse is "more" or "less" with equal chance: at a rate of 5 % the asymptotes are 0.025 and 0.975. Points of equality
-lie in the middle quarter of the levels.
+A lapse is "more" or "less" with equal probability. At a lapse rate of 5 %, the asymptotes are 0.025 and 0.975. PSEs lie
+in the middle quarter of the levels.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,7 +30,7 @@ FITTED = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_h
 
 @dataclass(frozen=True)
 class Person:
-    """Participant of comparisons: spread, trials per level, lapse rate."""
+    """Simulated participant: spread, trials per level and lapse rate."""
 
     sd: float
     n_trials: int
@@ -50,7 +50,7 @@ def answers(person: Person, n_sets: int, rng: np.random.Generator) -> tuple["np.
 def outcomes_of(
     people: Sequence[Person], n_sets: int, rng: np.random.Generator, options: Mapping[str, Any] = FIT
 ) -> Iterator[pd.DataFrame]:
-    """Yield the truths, estimates and intervals of each person and quantity."""
+    """Yield true values, estimates and intervals by participant and quantity."""
     for person in people:
         pse, n_more = answers(person, n_sets, rng)
         fitted = fit_comparisons(LEVELS, n_more, person.n_trials, **options)
@@ -62,9 +62,10 @@ def outcomes_of(
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return coverage for each quantity and participant.
+    """Return coverage by quantity and participant.
 
-    An open or missing end covers all values on its side. `over_truth` is the median of estimate over truth.
+    An open or missing interval end covers all values on its side. `over_truth` is the median ratio of estimate to true
+    value.
     """
     by = ["quantity", "sd", "n_trials", "lapse_rate"]
     above, below = outcomes["low"] > outcomes["truth"], outcomes["high"] < outcomes["truth"]
@@ -77,9 +78,9 @@ def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
 STANDARD = 40.0
 STANDARD_LEVELS = tuple((STANDARD + np.linspace(-9.0, 9.0, 7)).tolist())
 N_AT_STANDARD, EXPONENT = 15, 2.0
-"""Trials at each level, and the exponent of the simulated observer."""
+"""Number of trials at each level, and exponent of the simulated observer."""
 ABOVE_DB = (20.0, 12.0, 6.0, 3.0, 0.0, -3.0)
-"""Sensation levels of the standard."""
+"""Sensation levels of the standard (dB)."""
 
 
 def answers_to_standard(above_db: float, n_sets: int, rng: np.random.Generator) -> "np.ndarray":
@@ -97,7 +98,7 @@ FitComparisons = Callable[..., Sequence[ThresholdFit]]
 def standards(
     n_studies: int, rng: np.random.Generator, n_people: int = 10, fit: FitComparisons = fit_comparisons, **options: Any
 ) -> pd.DataFrame:
-    """Return PSEs and false effects by the standard's distance to threshold.
+    """Return PSEs and false effects by the standard's sensation level.
 
     Studies of `n_people` compare each condition with the first by a paired t-test. The true PSE of both is the
     standard.

@@ -1,6 +1,6 @@
-"""Estimates and intervals by design, lapse rate and true shape.
+"""Bias and coverage of estimates by design, lapse rate and true shape.
 
-The same tracks are fitted as `analyse` does, and with the mode and psignifit's prior of lapses ("before").
+Each track is fitted twice: as `analyse` does, and with the mode and psignifit's lapse prior ("before").
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ from .participants import STEPS_DB, SimulatedTask, answered, ends_of, fits, ques
 from .statuses import TOLD
 
 LAPSE_RATES, TRUTHS = (0.0, 0.02, 0.05, 0.08), ("normal", "gumbel")
-"""Both shapes are fitted by the Gumbel function."""
+"""True shapes. The Gumbel function is fitted to both."""
 THRESHOLDS_DB, WIDTHS_DB = (17.0, 28.0), (5.0, 15.0)
 CONSTANT_DB = tuple(np.arange(10.0, 36.0, 5.0).tolist())
 FITS: Mapping[str, Mapping[str, Any]] = {"before": {"lapse_beta": 10.0, "estimate": "mode"}, "now": {}}
@@ -30,7 +30,7 @@ FORCED, YES_NO = SimulatedTask("2AFC", 0.5, 0.5), SimulatedTask("", 0.05, None, 
 
 @dataclass(frozen=True)
 class TrackDesign:
-    """Rule for a task, with its number of trials without catch trials."""
+    """Procedure for a task, with its number of trials, excluding catch trials."""
 
     name: str
     rule: Callable[[], Rule[Any]]
@@ -71,7 +71,7 @@ def outcomes_of(
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return bias (in SDs), coverage, length and `flat` results by row and fit."""
+    """Return bias (SDs), coverage, length and share `flat` by row and fit."""
     by = ["design", "lapse_rate", "truth", "fit"]
     rows = [(*key, *_row(each)) for key, each in outcomes.groupby(by, sort=False)]
     return pd.DataFrame(rows, columns=[*by, "bias", "covered", "covered_all", "length_db", "flat", "flat_covered"])

@@ -26,7 +26,7 @@ LAPSES = {
 
 
 def outcome(procedure: str, lapses: str, study: int, seed: int) -> dict[str, object]:
-    """Simulate and fit a study; return coverage of its intervals, and errors."""
+    """Simulate and fit a study, and return interval coverage and errors."""
     rng = stream(seed, CHOSEN.index(procedure), list(LAPSES).index(lapses), study)
     own, deviations = rng.standard_normal((N_PEOPLE, 1)), rng.standard_normal((N_PEOPLE, N_CONDITIONS))
     true_db = MEAN_DB + PEOPLE_SD_DB * own + CELL_SD_DB * deviations
@@ -50,7 +50,7 @@ def outcome(procedure: str, lapses: str, study: int, seed: int) -> dict[str, obj
 
 
 def _covers(table: pd.DataFrame, truth: Array | float) -> NDArray[np.bool_]:
-    """Return which intervals contain the truth; a missing end is infinite."""
+    """Return which intervals contain the truth. A missing end is infinite."""
     low, high = table["interval_low"].fillna(-np.inf), table["interval_high"].fillna(np.inf)
     return np.asarray((low.to_numpy(float) <= truth) & (truth <= high.to_numpy(float)))
 
@@ -69,13 +69,13 @@ def _fit(procedure: str, lapses: tuple[float, float], true_db: Array, rng: np.ra
 
 
 def outcomes_of(studies: Sequence[int], seed: int) -> Iterator[pd.DataFrame]:
-    """Yield a table per study number."""
+    """Yield a table of outcomes for each study number."""
     for study in studies:
         yield pd.DataFrame([outcome(procedure, lapses, study, seed) for procedure in CHOSEN for lapses in LAPSES])
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return coverage with its standard error, the mean and the worst error."""
+    """Return coverage with its standard error, and the mean and worst error."""
     rows = []
     for (procedure, lapses), each in outcomes.groupby(["procedure", "lapses"], sort=False):
         row = {"procedure": procedure, "lapses": lapses, "studies": len(each)}

@@ -31,7 +31,7 @@ LAPSE_RATES = ((0.0, 0.08), (0.02, 0.02))
 def track(
     rule: Rule[Any], share: float, function: PsychometricFunction, rng: np.random.Generator
 ) -> tuple[list[float], list[bool]]:
-    """Return levels and answers of a track with easy trials."""
+    """Simulate a track with easy trials, and return levels and answers."""
     procedure = with_easy_trials(rule, share, HIGH_DB, rng) if share else rule.begin(rng)
     levels: list[float] = []
     answers: list[bool] = []
@@ -43,7 +43,7 @@ def track(
 
 
 def study(rule: Rule[Any], share: float, lapse_rates: Sequence[float], rng: np.random.Generator) -> list[Estimate]:
-    """Return estimates of participants with equal conditions."""
+    """Return estimates of participants whose conditions have equal thresholds."""
     thresholds, widths = rng.normal(MEAN_DB, SD_DB, N_PEOPLE), widths_db(rng.random(N_PEOPLE))
     cells = []
     for condition, lapse_rate in enumerate(lapse_rates):
@@ -61,10 +61,10 @@ def study(rule: Rule[Any], share: float, lapse_rates: Sequence[float], rng: np.r
 def outcomes_of(
     n_studies: int, rng: np.random.Generator, rules: Sequence[str] = tuple(RULES)
 ) -> Iterator[dict[str, float | str]]:
-    """Yield a row for each rule, pair of lapse rates and easy share.
+    """Yield a row for each rule, lapse rate pair, and share of easy trials.
 
-    `error` is the mean difference of thresholds (dB), `false_effects` the share of studies whose paired t-test has
-    p < 0.05, and `detected` the share in which the test of equal lapse rates has p < 0.05.
+    `error` is the mean difference of thresholds (dB). `false_effects` is the share of studies with p < 0.05 in the
+    paired t-test, and `detected` the share with p < 0.05 in the test of equal lapse rates.
     """
     for name, (first, second), share in product(rules, LAPSE_RATES, SHARES):
         found = [_judged(study(RULES[name], share, (first, second), rng)) for _ in range(n_studies)]

@@ -21,13 +21,13 @@ from tactometry.protocols.procedures.stepping import SteppingRule
 Array = NDArray[np.float64]
 SHAPE, LAPSE_RATE, FALSE_ALARM_RATE = "gumbel", 0.02, 0.03
 WIDTHS_DB = (4.0, 16.0)
-"""Ends of the widths of participants, which are uniform on a logarithm."""
+"""Smallest and largest width of a participant. Widths are uniform on a logarithmic scale."""
 LOW_DB, HIGH_DB = 0.0, 40.0
 CONSTANT_DB = tuple(np.arange(8.0, 33.0, 4.0).tolist())
 MOST_TRIALS = 160
 ENDLESS = 10**6
 ENDS: dict[str, Any] = {"n_reversals": ENDLESS, "n_trials": ENDLESS, "n_at_bound": ENDLESS}
-"""Of a track that ends only with its number of trials."""
+"""Stopping parameters of a track that ends only with its number of trials."""
 STEPS_DB = (8.0, 4.0, 2.0)
 INSIDE = "inside"
 PLACES = (
@@ -36,14 +36,14 @@ PLACES = (
     "at the upper end",
     *(f"{k} {side}" for side in ("below", "above") for k in (1, 2, 3)),
 )
-"""Places of the threshold: the middle half of the levels, their ends, and widths outside."""
+"""Places of the threshold: in the middle half of the levels, at their ends, or some widths outside."""
 
 
 @dataclass(frozen=True)
 class SimulatedTask:
-    """Task with guess rates of participant and fit, and catch trials.
+    """Task with the guess rates of participant and fit, and catch trials.
 
-    A guess rate None of the fit is free. Catch trials are per trial.
+    A guess rate of None is a free parameter of the fit. The share of catch trials is per trial.
     """
 
     name: str
@@ -56,7 +56,7 @@ class SimulatedTask:
         return round(self.catch * n_trials)
 
     def false_alarms(self, n_trials: int, n_sets: int, rng: np.random.Generator) -> NDArray[np.int64]:
-        """Draw the false alarms (n_sets,) in the catch trials."""
+        """Draw the number of false alarms (n_sets,) in the catch trials."""
         return rng.binomial(self.n_catch(n_trials), self.guess_rate, n_sets)
 
 
@@ -76,7 +76,7 @@ def up_down(n_down: int, start_db: float = 36.0, steps_db: tuple[float, ...] = S
 
 
 def weighted() -> WeightedStaircase:
-    """Return a staircase with a target of 0.75."""
+    """Return a weighted staircase with a target of 0.75."""
     ups, downs = (tuple(part * step for step in STEPS_DB) for part in (1.5, 0.5))
     return WeightedStaircase(36.0, ups, downs, LOW_DB, HIGH_DB, **ENDS)
 
@@ -102,17 +102,17 @@ PROCEDURES: Mapping[str, Callable[[float], Rule[Any]]] = {
     "QUEST+": lambda guess_rate: quest_plus(guess_rate, "parameters"),
     "QUEST+, threshold first": lambda guess_rate: quest_plus(guess_rate, "threshold"),
 }
-"""The rule of each procedure for a guess rate."""
+"""Functions that return the rule of each procedure for a guess rate."""
 AT_CHANCE = ("1 up 1 down", "2AFC")
-"""Left out: guessing reaches the target of this rule, one half, so its track drifts."""
+"""Excluded combination: guessing alone reaches the target of this rule (one half), so the track drifts."""
 
 
 @dataclass(frozen=True)
 class Tracks:
     """Tracks of simulated participants.
 
-    Thresholds and widths have the shape (n_sets,), levels and answers (n_sets, n_trials) with NaN after the end of a
-    track. The estimates of the rule (n_sets,) are NaN if there is none.
+    Thresholds and widths have the shape (n_sets,). Levels and answers have the shape (n_sets, n_trials), with NaN after
+    the end of a track. The estimates of the rule (n_sets,) are NaN where the rule has none.
     """
 
     thresholds_db: Array
@@ -123,13 +123,13 @@ class Tracks:
 
 
 def widths_db(uniform: Array) -> Array:
-    """Return widths (n_sets,) for uniform numbers."""
+    """Return widths (n_sets,) for uniform random numbers."""
     narrow, wide = np.log(WIDTHS_DB)
     return np.asarray(np.exp(narrow + (wide - narrow) * uniform))
 
 
 def places_db(place: str, procedure: str, uniform: Array, width_db: Array) -> Array:
-    """Return thresholds (n_sets,) at a place."""
+    """Return thresholds (n_sets,) at a place of `PLACES`."""
     low, high = (CONSTANT_DB[0], CONSTANT_DB[-1]) if procedure == "constant stimuli" else (LOW_DB, HIGH_DB)
     if place == INSIDE:
         return np.asarray(low + (high - low) * (0.25 + 0.5 * uniform))
@@ -160,7 +160,7 @@ def tracks(
 
 
 def answered(rule: Rule[Any], drawn: Array, thresholds_db: Array, widths_db: Array, rng: np.random.Generator) -> Tracks:
-    """Run a rule with participants whose criteria are already drawn."""
+    """Run a rule with participants whose random numbers are already drawn."""
     orders = rule.orders(len(drawn), rng) if isinstance(rule, SteppingRule) else None
     made = batch.tracks(rule, drawn, orders=orders)
     return Tracks(thresholds_db, widths_db, made.levels, made.answers.astype(np.float64), made.thresholds)
@@ -169,7 +169,7 @@ def answered(rule: Rule[Any], drawn: Array, thresholds_db: Array, widths_db: Arr
 def fits(
     simulated: Tracks, task: SimulatedTask, n_trials: int, n_false_alarms: NDArray[np.int64], **options: Any
 ) -> tuple[ThresholdFit, ...]:
-    """Fit the first trials of each track as an analysis does."""
+    """Fit the first trials of each track as `analyse` does."""
     curve = CURVES["yes_no" if task.told is None else "forced_choice"]
     return fit_many(
         simulated.levels_db[:, :n_trials],
@@ -182,6 +182,6 @@ def fits(
 
 
 def ends_of(one: ThresholdFit) -> tuple[float, float]:
-    """Return the ends of the interval; an open end is infinite."""
+    """Return the ends of the interval. An open end is infinite."""
     low, high = one.interval_low, one.interval_high
     return -math.inf if low is None else low, math.inf if high is None else high

@@ -1,6 +1,6 @@
-"""Statuses, coverage, bias and length of intervals.
+"""Statuses of estimates, and coverage, bias and length of intervals.
 
-Each participant completes one track. Its first n trials serve as a track of n trials.
+Each participant completes one track. The first n trials of a track serve as a track of n trials.
 """
 
 import math
@@ -28,7 +28,7 @@ from .participants import (
 N_TRIALS = (20, 30, 40, 80, MOST_TRIALS)
 OUTCOMES = ("procedure", "task", "place", "n_trials", "status", "low_db", "high_db", "threshold_db", "true_db")
 FEWEST = 20
-"""Fewer thresholds have no bias."""
+"""Fewest thresholds for which a bias is computed."""
 TOLD, OUT = (Status.OK, Status.SEPARATED), (Status.BELOW, Status.ABOVE)
 COLUMNS = ("n", "ok", "separated", "out", "flat", "other", "covered", "covered_all", "bias_sd", "length_db")
 Setting = tuple[str, SimulatedTask, str]
@@ -51,7 +51,7 @@ def outcomes_of(
     n_trials: Sequence[int] = N_TRIALS,
     lapse_rate: float = LAPSE_RATE,
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each setting."""
+    """Yield a table of outcomes for each setting."""
     for (procedure, task, place), stream in zip(chosen, rng.spawn(len(chosen)), strict=True):
         simulated = tracks(procedure, task, place, n_sets, stream, n_trials=max(n_trials), lapse_rate=lapse_rate)
         rows = []
@@ -64,10 +64,10 @@ def outcomes_of(
 
 
 def summary(outcomes: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
-    """Return operating characteristics in the order of the rows.
+    """Return operating characteristics, grouped in the order of the rows.
 
-    Shares of the statuses, coverage of `ok` (`covered`) and of all intervals (`covered_all`), bias in standard
-    deviations and median length of the thresholds that have a value.
+    The columns are shares of the statuses, coverage of the `ok` intervals (`covered`) and of all intervals
+    (`covered_all`), bias in standard deviations, and median interval length of thresholds with a value.
     """
     rows = [(*key, *_row(each)) for key, each in outcomes.groupby(list(by), sort=False)]
     return pd.DataFrame(rows, columns=[*by, *COLUMNS])

@@ -1,1 +1,1 @@
-"""Recorded data: validated, replayed, exported."""
+"""Validation, replay and export of recorded data sets."""

@@ -1,7 +1,7 @@
 """Export to the Brain Imaging Data Structure (BIDS), for behaviour.
 
-Trials with an onset become `events.tsv`. Rows without an onset, answers to questionnaires and touches that led to no
-answer become `beh.tsv`. The scores of questionnaires become a table in `phenotype/`.
+`events.tsv` contains trials with an onset. `beh.tsv` contains rows without an onset, questionnaire answers, and touches
+without an answer. `phenotype/` contains a table of questionnaire scores.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,14 +27,14 @@ MISSING = "n/a"
 NOT_STATED = ("Not stated", "Tactometry (the software that wrote this data set)")
 LICENSE = "Not stated"
 HED_VERSION = "8.3.0"
-"""No tag is used; the validator asks for it all the same."""
+"""Version required by the validator, although no HED tag is used."""
 UNKNOWN = ("Instructions", "InstitutionName", "InstitutionAddress", "InstitutionalDepartmentName")
 TERMS = ("https://www.cognitiveatlas.org", "http://www.cogpo.org")
-"""Of the task, which no ontology names: their front pages."""
+"""Front pages of the task ontologies, as no ontology defines these tasks."""
 
 
 def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str, bytes]:
-    """Return the files of the BIDS data set by path; equal data, equal bytes.
+    """Return the BIDS files by path. Equal data give equal bytes.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def task_label(source: ExportedDataSet) -> str:
 
 
 def _label(text: str) -> str:
-    """Return the letters and digits of a name.
+    """Return a name's letters and digits only.
 
     >>> _label("time-reversal-patterns")
     'timereversalpatterns'
@@ -94,7 +94,7 @@ def _heading(source: ExportedDataSet, authors: Sequence[str]) -> dict[str, bytes
 
 
 def _sessions(source: ExportedDataSet, code: str) -> bytes:
-    """List sessions with the time of their first answer, if known."""
+    """Return the sessions table, with the time of each first answer if known."""
     rows = []
     for participant, session, of_session in source.sessions():
         times = sorted(time for row in of_session if (time := row.get("timestamp_utc")))
@@ -119,7 +119,7 @@ def _readme(source: ExportedDataSet) -> str:
 def _table(
     stem: str, rows: Sequence[Row], source: ExportedDataSet, description: str, *, timed: bool
 ) -> dict[str, bytes]:
-    """Return a TSV file with its sidecar, or nothing without rows."""
+    """Return a TSV file and its JSON sidecar, or no files without rows."""
     if not rows:
         return {}
     columns = [c for c in source.columns if c.name not in OWN and any(row.get(c.name) for row in rows)]
@@ -137,7 +137,12 @@ def _table(
 def _check_names(header: Sequence[str]) -> None:
     for place, name in enumerate(header):
         is_word = name.replace("_", "").isalnum() and name.isascii()
-        expect(is_word, f"column {name!r}", "other than letters, digits and _", "a name for BIDS; rename it")
+        expect(
+            is_word,
+            f"column {name!r}",
+            "characters other than letters, digits and _",
+            "a name that BIDS allows; rename it",
+        )
         if name in header[:place]:
             raise InvalidParameter(f"column {name!r}: found a name that BIDS uses for another column; rename it")
 
@@ -152,7 +157,7 @@ def _sidecar(
     if not timed:
         sidecar |= {"TaskName": task, "TaskDescription": description, **dict.fromkeys(UNKNOWN, MISSING)}
         sidecar |= {"CogAtlasID": TERMS[0], "CogPOID": TERMS[1]}
-    else:  # bids-validator 1 takes every key of an events.json for a column, bids-validator 3 only misses them
+    else:  # bids-validator 1 reads every key of an events.json as a column, bids-validator 3 only warns of missing keys
         sidecar["onset"] = {"Description": "Onset of the (first) stimulus since the start of the session", "Units": "s"}
         sidecar["duration"] = {"Description": "Duration of the stimulus; n/a: see the study", "Units": "s"}
     for column in columns:
@@ -165,7 +170,7 @@ LEVELS = ("level", "level_delivered", "level_measured", "standard_level")
 
 
 def _phenotypes(source: ExportedDataSet) -> dict[str, bytes]:
-    """Return scores by participant; columns are conditions and dimensions."""
+    """Return scores: rows are participants, columns condition and dimension."""
     files: dict[str, bytes] = {}
     for name, form in source.forms.items():
         answers = source.used[(source.used["task"] == FORM_TASK) & (source.used["procedure"] == name)]

@@ -1,10 +1,10 @@
-"""Erase one participant from a data set; other participants' files stay.
+"""Erase one participant from a data set, and keep the files of others.
 
-- *Own* files are named for the participant, or are their journal under another name.
-- *Derived* files are reports, figures and exports. All of them go, as a mean contains every participant.
-- *Other* files are not searched. Their names are returned so that a person can look at them.
+- *Own* files have the participant's code in their name, or are the participant's journal under another name.
+- *Derived* files are reports, figures and exports. All derived files are erased, as a mean contains every participant.
+- *Other* files are not searched. Their names are returned so that the experimenter can check them.
 
-The files to erase are recorded on the disk first, so that an interrupted erasure can be finished.
+The list of files to erase is first saved to disk, so that an interrupted erasure can be finished.
 """
 
 import os
@@ -31,7 +31,7 @@ from tactometry.trials.cells import PARTICIPANT
 
 @dataclass(frozen=True)
 class ErasurePlan:
-    """Files to erase, and names of other files and folders to look at."""
+    """Files to erase, and names of other files and folders to check."""
 
     journals: tuple[Path, ...]
     own: tuple[Path, ...]
@@ -40,7 +40,7 @@ class ErasurePlan:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """All files to erase, journals last: while one is there, the plan can be made again."""
+        """All files to erase, journals last. The plan requires a journal."""
         return (*self.derived, *self.own, *self.journals)
 
 
@@ -54,7 +54,7 @@ IN_USE: Final = "another process is erasing from this data set, expected to be t
 
 @dataclass(frozen=True)
 class Erased:
-    """Names of erased files, and of others to look at; a dry run has no erasure."""
+    """Names of erased files and files to check. A dry run has no `erasure`."""
 
     participant: str
     n_sessions: int
@@ -71,9 +71,9 @@ def find(root: Path, participant: str) -> Erased:
     Raises
     ------
     InvalidFile
-        If the folder is not a data set, or a part of it cannot be read.
+        If the folder is not a data set or cannot be read completely.
     InvalidParameter
-        If it contains nothing of the participant.
+        If it contains no files of the participant.
     """
     return _told(root, participant, _plan(root, participant))
 
@@ -84,7 +84,7 @@ def erase(root: Path, participant: str) -> Erased:
     Raises
     ------
     InvalidFile, InvalidParameter
-        As `find`.
+        As for `find`.
     SessionInUse
         If a session of the participant or another erasure is running. Nothing was erased.
     DeviceFailed
@@ -99,19 +99,19 @@ def _erase(root: Path, participant: str) -> Erased:
     before = _there(_plan(root, participant).journals)
     with held(before):
         found = _plan(root, participant)
-        with held(_there(found.journals) - before):  # of a session that began in between
+        with held(_there(found.journals) - before):  # journals of a session that began meanwhile
             told, begun = _told(root, participant, found), _begin(root, participant, found)
             _remove(found.files if os.name == "posix" else (*found.derived, *found.own))
-    _remove(found.journals)  # elsewhere a file that is open can't be erased
+    _remove(found.journals)  # other systems cannot erase an open file
     _remove_empty(root, {*found.files, *(root / name for name in begun.files)})
     done = replace(begun, finished_utc=_now(), files=())
     write_erasures(root, [done if erasure == begun else erasure for erasure in read_erasures(root)])
-    _remove(drafts(root, RECORD))  # of the record, where it was killed
+    _remove(drafts(root, RECORD))  # drafts of the record, left by an interruption
     return replace(told, n_sessions=done.n_sessions, erasure=done)
 
 
 def _there(journals: Iterable[Path]) -> set[Path]:
-    """Leave out broken links: locking one would create its target."""
+    """Return the existing journals. Locking a broken link creates its target."""
     return {path for path in journals if path.exists()}
 
 
@@ -119,7 +119,7 @@ def _refuse(root: Path, participant: str) -> None:
     expect(PARTICIPANT.fullmatch(participant) is not None, "--participant", repr(participant), "a code such as P01")
     is_set = (root / NAME).is_file() and ((root / "journals").is_dir() or (root / "data").is_dir())
     expect(is_set, root, f"no {NAME} with data or journals", "the folder of a data set", InvalidFile)
-    refuse_links(root)  # a journal that stays gives all the rest back
+    refuse_links(root)  # all erased files could be rebuilt from a journal that remains
 
 
 def _plan(root: Path, participant: str) -> ErasurePlan:
@@ -135,7 +135,8 @@ def _plan(root: Path, participant: str) -> ErasurePlan:
 def _nothing(root: Path, participant: str, erasures: Iterable[Erasure]) -> str:
     times = [erasure.finished_utc for erasure in erasures if erasure.participant == participant]
     if times:
-        return f"--participant: found that {participant} was erased at {times[-1]}, expected one who has data in {root}"
+        erased = f"found that {participant} was erased at {times[-1]}"
+        return f"--participant: {erased}, expected a participant with data in {root}"
     files = [*sessions(root), *(root / "data").glob("*.csv")]
     codes = sorted({code for path in files if (code := keys_of(path.stem).get("participant"))})
     known = f"{', '.join(codes) or 'the participants with data (none)'}{nearest(participant, codes)}"
@@ -152,7 +153,7 @@ def _names(root: Path, paths: Iterable[Path]) -> tuple[str, ...]:
 
 
 def _begin(root: Path, participant: str, found: ErasurePlan) -> Erasure:
-    """Record what will be erased, or continue an interrupted erasure."""
+    """Record an erasure, or return the interrupted one to continue."""
     erasures = read_erasures(root)
     before = unfinished(erasures, participant)
     if before is not None:
@@ -179,34 +180,36 @@ def _remove(files: Iterable[Path]) -> None:
 
 
 def _remove_empty(root: Path, files: Iterable[Path]) -> None:
-    """Remove empty folders, except the standard ones of a data set."""
+    """Remove empty folders, except the standard folders of a data set."""
     kept = {root / part for part in PARTS}
     within = [path for path in files if ".." not in path.parts]
     folders = {folder for path in within for folder in path.parents if folder.is_relative_to(root)}
     for folder in sorted(folders - kept, key=lambda path: len(path.parts), reverse=True):
-        with suppress(OSError):  # it holds something else
+        with suppress(OSError):  # the folder is not empty
             folder.rmdir()
 
 
 STUDY: Final = "study.toml"
 DERIVED: Final = frozenset((".csv", ".gz", ".htm", ".html", ".json", ".jsonl", ".pdf", ".png", ".svg", ".tsv"))
-"""Endings of files that `analyse`, `show` and `export` write."""
+"""Suffixes of files that `analyse`, `show` and `export` write."""
 EXPORTED: Final = frozenset(("README.md", "CHANGES.md", "columns.toml", "trials.R"))
 """Further files that `export` writes."""
 _FIGURE: Final = (".csv", ".png", ".svg")
 _OF_TRIAL: Final = re.compile(r"trial-\d+\.(png|pdf|svg)")
 _BEGINNINGS: Final = {NAME: b"", "columns.toml": b"# tactometry analyse", "trials.R": b"# Reads trials.csv"}
-"""Files that mark a folder as an export, and how they begin."""
+"""Files that identify a folder as an export, and the first bytes of each."""
 _KEYS: Final = ("participant", "subject", "sub")
 
 
 def plan(root: Path, code: str, begun: Collection[str] = ()) -> ErasurePlan:
-    """Return what to erase of the participant `code`; `begun` are the files of an interrupted erasure.
+    """Return the files to erase for a participant.
+
+    `begun` are the files of an interrupted erasure.
 
     Raises
     ------
     InvalidFile
-        If something in the folder cannot be read.
+        If a file or folder cannot be read.
     """
     files, folders = _walk(root)
     own = [path for path in files if _is_own(root, path, code)]
@@ -227,7 +230,7 @@ def _name(root: Path, path: Path) -> str:
 
 
 def _walk(root: Path) -> tuple[list[Path], list[Path]]:
-    """Return files and links, and folders not entered (hidden, data sets)."""
+    """Return files and links, and skipped folders (hidden ones, data sets)."""
     found, closed = [], []
     for folder, folders, files in os.walk(root, onerror=_refuse_unread):
         here = Path(folder)
@@ -240,11 +243,13 @@ def _walk(root: Path) -> tuple[list[Path], list[Path]]:
 
 
 def _refuse_unread(error: OSError) -> None:
-    raise InvalidFile(f"{error.filename}: cannot be read ({error.strerror}), expected a folder to read")
+    raise InvalidFile(f"{error.filename}: cannot be read ({error.strerror}), expected a readable folder")
 
 
 def is_named_for(name: str, code: str) -> bool:
-    """Return True if a path has the participant's code under a key of Psych-DS or BIDS.
+    """Return True if a file or folder name contains the participant's code.
+
+    The code must follow a key of Psych-DS or BIDS.
 
     >>> is_named_for("data/participant-P1_session-1_study-a_data.csv", "P1"), is_named_for("bids/sub-P10/x.tsv", "P1")
     (True, False)
@@ -268,14 +273,14 @@ def _whose(journal: Path) -> str | None:
 
 
 def _is_of_set(root: Path, path: Path) -> bool:
-    """Return True for data set files and other participants' sessions."""
+    """Return True for general files of the data set and sessions of others."""
     if path.parent == root:
         return path.name in (NAME, STUDY, RECORD, LOCK) or path in drafts(root, RECORD)
     return path.parent.parent == root and path.parent.name in PARTS and "participant" in keys_of(path.stem)
 
 
 def _derived(root: Path, rest: Collection[Path]) -> Iterator[Path]:
-    """Yield reports with their tables, figures, and the files of exports."""
+    """Yield reports with their tables, figures, and exported files."""
     outputs = {path for path in rest if path.suffix.lower() in DERIVED}
     reports = {path for path in outputs if path.with_name(f"{path.stem}_tables").is_dir()}
     stems = {path.with_suffix("") for path in reports}

@@ -1,8 +1,8 @@
 """Exports for other programs: Psych-DS, PsychoPy, BIDS, jsPsych and R.
 
-A recorded data set is already Psych-DS. This export converts single tables too, omits journals, and uses official
-keywords only. PsychoPy's and jsPsych's forms are for scripts and people that read such files; `columns.toml` next to
-them reads them back with `--columns`.
+A recorded data set already follows Psych-DS. The Psych-DS export also converts single tables, omits journals, and uses
+official keywords only. The PsychoPy and jsPsych forms suit scripts that read such files. The exported `columns.toml`
+lets `analyse --columns` read them back.
 """
 
 import json
@@ -35,12 +35,12 @@ RENAMED = {
 }
 FROM_ZERO = ("block", "trial")
 LAST = ("participant", "session", "study", "timestamp_utc")
-"""PsychoPy writes what it knows of the whole session into the last columns."""
+"""Last columns, where PsychoPy writes the values that apply to the whole session."""
 
 MS: Final = 1000.0
 THEIRS = ("subject", "trial_type", "trial_index", "rt", "time_elapsed")
 LEFT_OUT = ("participant", "task", "latency_s")
-"""Columns that jsPsych has under other names."""
+"""Columns with another name in jsPsych."""
 COLUMNS = """\
 {how_to_read}
 [columns]
@@ -59,9 +59,9 @@ false = 0
 
 
 def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Return the files by path; equal data, equal bytes."""
+    """Return the Psych-DS files by path. Equal data give equal bytes."""
     names = [column.name for column in source.columns]
-    study = (source.text("study") or "trials").replace("-", "")  # a hyphen parts key and value in names of files
+    study = (source.text("study") or "trials").replace("-", "")  # in file names, a hyphen separates key and value
     files = {
         "dataset_description.json": json_text(_description(source)),
         "README.md": f"{readme_heading(source)}\n\nWritten by tactometry export.\n".encode(),
@@ -91,7 +91,7 @@ def _description(source: ExportedDataSet) -> Mapping[str, object]:
 
 
 def psychopy_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Return the files by path, with blocks and trials numbered from 0."""
+    """Return PsychoPy files by path, with blocks and trials numbered from 0."""
     names = [column.name for column in source.columns]
     ordered = [*(name for name in names if name not in LAST), *(name for name in LAST if name in names)]
     header = [RENAMED.get(name, name) for name in ordered]
@@ -113,10 +113,15 @@ def _column_map(names: Sequence[str], factors: Sequence[str]) -> str:
 
 
 def jspsych_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Return the files by path, with times in ms and trials from 0."""
+    """Return jsPsych files by path, with times in ms and trials from 0."""
     names = [column.name for column in source.columns]
     clash = next((name for name in names if name in THEIRS), None)
-    expect(not clash, "--to", f"jspsych, which uses the name {clash!r}", "another form, or another name of that column")
+    expect(
+        not clash,
+        "--to",
+        f"jspsych, which uses the name {clash!r} itself",
+        "another form, or another name of that column",
+    )
     meanings = "".join(OF_A_FLAG.format(name=name) for name in names if name in FLAGS)
     files = {"columns.toml": COLUMNS.format(how_to_read=how_to_read(source.factors), flags=meanings).encode()}
     for participant, session, rows in source.sessions():
@@ -149,7 +154,7 @@ def _ms(seconds: str) -> float | None:
 
 
 def _value(name: str, text: str) -> object:
-    """Return a cell as jsPsych has it: bool, number or null; codes stay text.
+    """Convert a cell to a bool, a number or null. Codes remain text.
 
     >>> _value("correct", "1"), _value("level", "34.0"), _value("item", ""), _value("pattern", "P0"), _value("x", "007")
     (True, 34.0, None, 'P0', '007')
@@ -174,9 +179,9 @@ FORMS: Mapping[str, Callable[[ExportedDataSet], dict[str, bytes]]] = {
 
 
 def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> list[Path]:
-    """Write a data set or trials file in a form into a new or empty folder.
+    """Write a data set or trials file in another form.
 
-    The form is `bids` or one of `FORMS`.
+    The form is `bids` or one of `FORMS`. The folder must be new or empty.
 
     Raises
     ------

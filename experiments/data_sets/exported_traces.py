@@ -1,7 +1,7 @@
 """Export of traces: BIDS `physio` and `motion`, and tables for Psych-DS.
 
-BIDS files have one rate and cannot contain pauses between touches at the rate of an emitted signal. Emitted signals are
-copied as they are, with a table of the place of each touch.
+A BIDS file has one sampling rate, and the pauses between touches would make files of emitted signals too large. Emitted
+signals are therefore copied unchanged, with a table of where each touch begins.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -31,14 +31,14 @@ NOT_STATED: Final = (
     *("DeviceSerialNumber", "Manufacturer", "ManufacturersModelName", "Instructions", "SubjectArtefactDescription"),
     *("InstitutionName", "InstitutionAddress", "InstitutionalDepartmentName"),
 )
-"""What BIDS recommends to say of a motion, and no journal knows."""
+"""Keys that BIDS recommends for motion, but that a journal does not contain."""
 ABSENT: Final = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "MISC", "ORNT", "VEL")
-"""Kinds of channels that BIDS knows and a touch has not."""
+"""Channel types of BIDS that a touch does not have."""
 
 
 @dataclass(frozen=True)
 class TracedSession:
-    """Touches of a session with samples of one kind, and their places."""
+    """Touches of a session with samples of one kind, and their locations."""
 
     root: Path
     kind: TraceKind
@@ -54,7 +54,7 @@ class TracedSession:
         Raises
         ------
         InvalidFile
-            If the JSON file next to the samples does not state them.
+            If the JSON file of the samples does not state them.
         """
         return described(self.root, [part for _, part in self.parts])
 
@@ -63,9 +63,9 @@ class TracedSession:
 
 
 def traces_as(form: str, path: Path, task: str, files: Mapping[str, bytes]) -> Files:
-    """Yield the traces of a data set in a form, file by file.
+    """Yield the files with the traces of a data set, in an export form.
 
-    A single trials file and forms without traces yield nothing. `files` are the other files of the export.
+    A single trials file yields no files, nor does a form without traces. `files` are the other files of the export.
     """
     write = _FORMS.get(form)
     if write is None or not path.is_dir():
@@ -105,15 +105,15 @@ def _psychds(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Fi
 def _bids(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Files:
     folder = f"sub-{traced.participant}/ses-{traced.session}"
     yield from _BIDS[traced.kind](traced, folder, task)
-    if traced.kind == "position":  # BIDS looks for the events of a motion next to it
+    if traced.kind == "position":  # BIDS requires motion events in the same folder
         events = {name: content for name, content in files.items() if name.startswith(folder) and "_events." in name}
         yield from ((name.replace("/beh/", "/motion/"), content) for name, content in events.items())
 
 
 def _physio(traced: TracedSession, folder: str, task: str) -> Files:
-    """Yield the force at an even rate, as `physio` has no time stamps.
+    """Yield the force at a constant rate, as `physio` has no time stamps.
 
-    Each row has the nearest sample with its own time stamp, or n/a between touches and for lost samples.
+    Each row contains the nearest sample with its time stamp, or n/a between touches and for lost samples.
     """
     texts = [text for _, text in traced.texts()]
     times_s = np.concatenate([decode_rows(text)[:, 0] for text in texts])
@@ -149,7 +149,7 @@ def _motion(traced: TracedSession, folder: str, task: str) -> Files:
 
 
 def effective_rate_hz(stamps_s: Sequence[FloatArray]) -> float:
-    """Return samples per second within touches, 0 for single samples.
+    """Return the samples per second in touches, or 0 for single samples.
 
     >>> effective_rate_hz([np.array([0.0, 0.1, 0.2]), np.array([5.0, 5.1])])
     10.0

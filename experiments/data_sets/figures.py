@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 BEFORE_S: Final = 1.0
-"""So much is drawn before the hold that opened the gate."""
+"""Time drawn before the hold that opened the gate."""
 MARGIN_S: Final = 0.02
 N_BINS: Final = 500
-"""Of an envelope, at most."""
+"""Largest number of points in an envelope."""
 ROOM: Final = 1.1
 COLUMN_IN, ROW_IN = 4.6, 1.5
 
 
 class DrawnQuantity(NamedTuple):
-    """Row of the figure, drawn if its quantity is `known` of a touch."""
+    """Row of the figure, drawn if its quantity is `known` for a touch."""
 
     label: str
     known: Callable[[TouchTrace], bool]
@@ -41,14 +41,14 @@ class DrawnQuantity(NamedTuple):
             _mark(axes, touch)
         row[0].set_ylabel(self.label)
         highest = max(axes.dataLim.y1 for axes in row)
-        if self.from_zero and highest > 0:  # of all columns, which share it, with room above
+        if self.from_zero and highest > 0:  # the columns share the axis, with room above
             row[0].set_ylim(min(0.0, *(axes.dataLim.y0 for axes in row)), ROOM * highest)
 
 
 def touch_figure(touches: Sequence[TouchTrace]) -> Drawing:
-    """Draw a column per touch and a row per known quantity.
+    """Plot a column for each touch and a row for each known quantity.
 
-    Times are from the onset.
+    Times are relative to the onset.
     """
     rows = [row for row in _ROWS if any(map(row.known, touches))] or [_NOTHING]
     with new_figure(COLUMN_IN * len(touches) + 2.0, ROW_IN * len(rows) + 0.9) as figure:
@@ -60,7 +60,7 @@ def touch_figure(touches: Sequence[TouchTrace]) -> Drawing:
             column[0].set_xlim(*_span_s(touch))
             column[-1].set_xlabel("Time from the onset (s)")
         named = [pair for axes in grid.flat for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
-        lines = {text: line for line, text in named}  # each name once
+        lines = {text: line for line, text in named}  # one legend entry for each name
         figure.legend(lines.values(), lines.keys(), loc="outside right upper")
         return drawing_of(figure, whose(touches))
 
@@ -68,7 +68,7 @@ def touch_figure(touches: Sequence[TouchTrace]) -> Drawing:
 def whose(touches: Sequence[TouchTrace]) -> str:
     """Name the participant, session and trial of touches.
 
-    The figure's file contains this text, by which an erasure finds it.
+    The figure's file contains this text, so that an erasure can find it.
     """
     head, trial = touches[0].head, touches[0].trial
     return f"participant {head.participant}, session {head.session}, trial {trial.trial}"
@@ -78,7 +78,9 @@ def heading(touch: TouchTrace) -> str:
     """Return the title of a touch, at most two lines."""
     answer, trial = touch.answer, touch.trial
     reason = answer.invalid_reason if isinstance(answer, Touched) else None
-    if reason is None and trial.invalid_reason == "experimenter":  # the touch was right, and its trial taken back
+    if (
+        reason is None and trial.invalid_reason == "experimenter"
+    ):  # the touch was valid, but the experimenter cancelled the trial
         reason = "experimenter"
     interval = None if isinstance(touch.request, Adjust) else touch.request.interval
     named = {"attempt": trial.attempt if trial.attempt > 1 else None, "interval": interval}
@@ -94,7 +96,7 @@ def _asked(touch: TouchTrace) -> str:
 
 
 def envelope(signal: Signal, n_bins: int = N_BINS) -> tuple[FloatArray, FloatArray]:
-    """Return times (s) and the largest absolute value of any channel by part.
+    """Return times (s) and the largest absolute value in each part.
 
     >>> envelope(Signal(np.array([[0.0, -2.0, 1.0, 0.5]]), 4.0, "V"), n_bins=2)[1].tolist()
     [2.0, 1.0]
@@ -105,7 +107,7 @@ def envelope(signal: Signal, n_bins: int = N_BINS) -> tuple[FloatArray, FloatArr
 
 
 def _span_s(touch: TouchTrace) -> tuple[float, float]:
-    """Return the plotted time span from onset, without a long initial wait."""
+    """Return the plotted time span from onset, omitting a long initial wait."""
     onset_s, request, gate_s = touch.answer.onset_s, touch.request, _gate_s(touch)
     stamps_s = [samples.times_s - onset_s for samples in (touch.force, touch.position) if samples is not None]
     first_s = min((float(times_s[0]) for times_s in stamps_s), default=0.0)
@@ -133,7 +135,7 @@ def _mark(axes: "Axes", touch: TouchTrace) -> None:
         axes.axvline(0.0, color=ORANGE, linewidth=0.9, label="onset")
     gate_s = _gate_s(touch)
     if gate_s is not None:
-        # a mark above the axes: the onset follows within milliseconds, and one line would hide the other
+        # The mark is above the axes, as the onset line follows within milliseconds and would hide it.
         at_top = axes.get_xaxis_transform()
         axes.plot(gate_s, 1.02, "v", color=GREEN, transform=at_top, clip_on=False, linestyle="", label="gate opens")
 
@@ -171,9 +173,9 @@ def _draw_speed(axes: "Axes", touch: TouchTrace) -> None:
 
 
 def speed_of(position: Samples) -> tuple[FloatArray, FloatArray]:
-    """Return time stamps and the speed along the first axis, m/s.
+    """Return time stamps and the speed (m/s) along the first axis.
 
-    Fewer than two positions have none.
+    Fewer than two positions have no speed.
 
     >>> speed_of(Samples(np.array([0.0, 0.1]), np.array([[0.0], [0.01]])))[1].round(9).tolist()
     [0.1, 0.1]
@@ -192,7 +194,7 @@ def _draw_emitted(axes: "Axes", touch: TouchTrace) -> None:
 def _draw_nothing(axes: "Axes", touch: TouchTrace) -> None:
     del touch
     axes.yaxis.set_visible(False)
-    axes.text(0.5, 0.5, "no sensor, and nothing was emitted", ha="center", transform=axes.transAxes)
+    axes.text(0.5, 0.5, "no sensor data and no emitted signal", ha="center", transform=axes.transAxes)
 
 
 def _moves(touch: TouchTrace) -> bool:

@@ -1,4 +1,4 @@
-"""Study `force-loss` as rows of the thesis's figures 5.4 and 5.5."""
+"""Results of the study `force-loss`, for figures 5.4 and 5.5."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,8 +17,8 @@ FACTORS: Final = ("contactor", "place", "force_n")
 def measured_losses(path: Path) -> list[LossRow]:
     """Return the mean loss of each condition of the study `force-loss`.
 
-    `figures.prototype.loss_over_force(model, measured)` draws them. Kind and diameter of a contactor are those of the
-    study file.
+    `figures.prototype.loss_over_force(model, measured)` plots them. The study file states kind and diameter of each
+    contactor.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Export to one table for R, JASP or jamovi, with a script that reads it.
 
-Missing values are NA. The script has a mixed model for each task. Names and texts are escaped by `r_string` in it.
+Missing values are NA. The script contains a mixed model for each task. `r_string` escapes its names and texts.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,7 +20,7 @@ from .source import ExportedDataSet
 
 TEXT = {column.name for column in (*FIRST, *ALWAYS, *OPTIONAL)}.difference(NUMBERS, COUNTS, FLAGS)
 MOST_CATEGORIES = 15
-"""A scale of more answers is taken as a continuous one."""
+"""Scales with more answer categories are modelled as continuous."""
 SCRIPT = """# Reads trials.csv with its types. Written by tactometry export --to r.
 trials <- read.csv("trials.csv", na.strings = "NA", stringsAsFactors = FALSE, check.names = FALSE,
                    encoding = "UTF-8", colClasses = c({classes}))
@@ -40,7 +40,7 @@ CONTINUOUS = "lme4::lmer(response ~ {plus} + (1 | participant) + (1 | item), {da
 
 
 def r_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Return `trials.csv` and `trials.R`; equal data, equal bytes."""
+    """Return `trials.csv` and `trials.R`. Equal data give equal bytes."""
     names = [column.name for column in source.columns]
     ordered = [row for _, _, rows in source.sessions() for row in rows]
     body = [[row.get(name) or "NA" for name in names] for row in ordered]
@@ -48,7 +48,7 @@ def r_files(source: ExportedDataSet) -> dict[str, bytes]:
 
 
 def r_string(text: str) -> str:
-    r"""A text as R reads it back, on one line, whatever it holds.
+    r"""Return any text as an R string literal on one line.
 
     >>> print(r_string('a "b"'), r_string("x" + chr(10) + "y"))
     "a \"b\"" "x\u{a}y"
@@ -57,7 +57,7 @@ def r_string(text: str) -> str:
 
 
 def name(text: str) -> str:
-    r"""A column's name in a formula.
+    r"""Return a column name quoted for a formula.
 
     >>> print(name("force_n"), name("x; system('rm')"), name("a`b"))
     `force_n` `x; system('rm')` `a\`b`
@@ -114,7 +114,7 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
 
 
 def _models_of(model: str, rows: pd.DataFrame, source: ExportedDataSet, kept: tuple[str, ...]) -> Iterator[str]:
-    """Yield a task's model for each number of alternatives (guess rate)."""
+    """Yield a task's model for each number of alternatives."""
     numbers = alternatives(rows, source.factors)
     for number, alike in rows.groupby(numbers):
         of_number = kept if numbers.nunique() == 1 else (*kept, _conditions(alike, source.factors))
@@ -139,7 +139,7 @@ def _fill_model(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: s
 
 def _is_number(source: ExportedDataSet, name: str) -> bool:
     try:
-        # A column without any value counts as text.
+        # A column without values counts as text.
         return bool([float(text) for row in source.rows if (text := row.get(name))])
     except ValueError:
         return False

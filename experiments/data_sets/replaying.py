@@ -1,4 +1,4 @@
-"""Replay of recorded sessions, and files rebuilt from their journals."""
+"""Replay recorded sessions, and rebuild files from their journals."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,7 +29,7 @@ class Replayed:
 
 @dataclass(frozen=True)
 class Rebuilt:
-    """Session with rebuilt files, and whether its trials file changed."""
+    """Session whose files were rebuilt, and whether its trials file changed."""
 
     trials: str
     n_trials: int
@@ -37,14 +37,14 @@ class Rebuilt:
 
 
 def replay_data_set(path: Path) -> list[Replayed]:
-    """Replay every session of a data set, or the one of a journal file.
+    """Replay every session of a data set, or the session of one journal file.
 
     Raises
     ------
     Diverged
-        At the first request or row of a trials file that differs from the record.
+        At the first request, or row of a trials file, that differs from the journal.
     InvalidFile
-        If there is nothing to replay, or a journal is damaged.
+        If there is no journal, or one is damaged.
     """
     root, journals, experiment, content = _recordings(path)
     return [_replay(root, journal, experiment, content) for journal in journals]
@@ -65,7 +65,7 @@ def rebuild_data_set(path: Path) -> list[Rebuilt]:
 
 
 def _recordings(path: Path) -> tuple[Path, list[Path], Experiment, bytes]:
-    """Return the root, the journals, the experiment and its study.toml."""
+    """Return root, journals, experiment, and the content of its study.toml."""
     root = path.parent.parent if path.is_file() else path
     journals = [path] if path.is_file() else sessions(path)
     if not journals:
@@ -81,7 +81,9 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
     trials = trials_file(root, journal)
     if head is None:
         if has_rows(root, journal):
-            raise Diverged(f"{trials}, row 2: found a trial, but the journal holds none; restore {journal.name}")
+            raise Diverged(
+                f"{trials}, row 2: found a trial, expected none as the journal is empty; restore {journal.name}"
+            )
         return Replayed(journal.name, 0, complete=False)
     _check_name(journal, head)
     if head.study_sha256 != sha256(study_toml):
@@ -94,13 +96,13 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
 
 
 def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: bytes) -> Rebuilt | None:
-    """Rebuild a session's files; None if it has not begun."""
+    """Rebuild a session's files. Returns None if it has not begun."""
     head, trials = read(journal).head, trials_file(root, journal)
     if head is None:
         return None
     _check_name(journal, head)
     before = read_file(trials, "a trials file") if trials.exists() else None
-    # Whoever opens a recorded session writes its files anew from the journal, as after a crash.
+    # Opening a recorded session rewrites its files from the journal, as after a crash.
     opened = OpenSession(root, experiment.design(study_toml), session_of(head), head.rig, resume=True)
     opened.close()
     changed = read_file(trials, "a trials file") != before

@@ -1,4 +1,4 @@
-"""Estimates of a study's procedure, replayed from the answers."""
+"""Estimates of a study's procedures, replayed from recorded answers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from ..study.study_file import parse
 
 
 def replay_of(path: Path) -> Replay | None:
-    """Return a function that replays blocks, None without a readable study."""
+    """Return a function that replays blocks, or None without a readable study."""
     study = (path if path.is_dir() else path.parent.parent) / "study.toml"
     if not study.is_file():
         return None
@@ -34,7 +34,7 @@ def replay_of(path: Path) -> Replay | None:
 
 @dataclass(frozen=True)
 class _Replay:
-    """Rules of a study; shared parts of blocks are built once."""
+    """Procedures of a study. Parts shared by blocks are built once."""
 
     wiring: Wiring
 
@@ -48,12 +48,14 @@ class _Replay:
         try:
             procedures = _procedures_after(ready, block, names)
         except InvalidParameter as refusal:
-            return dict.fromkeys(names, RuleEstimate(note=f"the rule of study.toml refuses these answers ({refusal})"))
+            return dict.fromkeys(
+                names, RuleEstimate(note=f"the procedure of study.toml rejects these answers ({refusal})")
+            )
         estimates = (procedure.estimate for procedure in procedures)
         return {name: RuleEstimate(of.level, of.sd, of.n, of.note) for name, of in zip(names, estimates, strict=True)}
 
     def _rule(self, block: pd.DataFrame) -> ReadyProcedure | None:
-        """Return the rule of a block's first cell, or None if not in the study."""
+        """Return the procedure of a block's first cell, or None if unknown."""
         study, first = self.wiring.study, block.iloc[0]
         factors: dict[str, float | str] = {}
         for name, levels in study.factors.items():
@@ -71,7 +73,9 @@ def _text(value: Any) -> str:
 
 def _procedures_after(ready: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
     alone = replace(ready, tracks=replace(ready.tracks, easy_share=0.0, easy_level=None))
-    procedures = alone.for_tracks(names, np.random.default_rng(0))  # rules that draw an order are not replayed
+    procedures = alone.for_tracks(
+        names, np.random.default_rng(0)
+    )  # procedures that draw a random order are not replayed
     procedures = tuple(
         _with_easy(each, block[block["track"] == name]) for each, name in zip(procedures, names, strict=True)
     )

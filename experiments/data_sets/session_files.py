@@ -1,4 +1,4 @@
-"""Session files next to a journal, and checks that they agree with it."""
+"""Files of a session, and checks that they agree with its journal."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -26,14 +26,14 @@ def session_of(head: Head) -> Session:
 
 
 def name_defect(journal: Path, head: Head) -> str | None:
-    """Return an error for a journal not named after its session, else None.
+    """Return an error if a journal is not named after its session, else None.
 
     A renamed copy would otherwise count as another session.
     """
     if session_of(head).stem == journal.stem:
         return None
     whose = f"session {head.session} of {head.participant} ({head.study})"
-    return f"found {whose}, expected that of the file's name; remove the copy"
+    return f"found {whose}, expected the session in the file name; remove the copy"
 
 
 def header_of(content: bytes) -> list[str]:
@@ -60,7 +60,7 @@ def n_rows(content: bytes) -> int:
 
 
 def json_table(path: Path) -> Mapping[str, Any]:
-    """Read a JSON file with an object, or return an empty one."""
+    """Return the object of a JSON file, or {} if the file has none."""
     try:
         return json_object(path, "a JSON object")
     except InvalidFile:
@@ -95,7 +95,7 @@ def trials_defects(root: Path, journal: Path, recording: Recording, experiment: 
 def edit_warnings(path: Path) -> list[str]:
     """Return warnings for trials files that differ from their journals.
 
-    Files without a journal are skipped. A file that cannot be compared gives a warning.
+    Files without a journal are skipped. A file that cannot be compared is also reported.
     """
     root = path if path.is_dir() else path.parent.parent
     files = sorted(path.glob("data/*_data.csv")) if path.is_dir() else [path]
@@ -106,8 +106,8 @@ def edit_warnings(path: Path) -> list[str]:
         return []
     differ = "differs from its journal" if len(texts) == 1 else "differ from their journals"
     return [
-        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, and the tables are analysed as they are: "
-        f"{texts[0]}{'; tactometry validate names all' if len(texts) > 1 else ''}"
+        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, but the tables are analysed unchanged: "
+        f"{texts[0]}{'; tactometry validate lists all' if len(texts) > 1 else ''}"
     ]
 
 
@@ -128,7 +128,7 @@ def _difference(file: Path, journal: Path) -> str | None:
     try:
         expected = trials_csv(recording.trials, session_of(head), head.rig, columns)
     except KeyError as unknown:
-        return f"{file.name}, row 1: found the column {unknown}, which the journal does not hold"
+        return f"{file.name}, row 1: found the column {unknown}, which the journal does not contain"
     differs = disagreement(content, expected)
     return None if differs is None else f"{file.name}, row {differs[0]}: {differs[1]}"
 
@@ -137,7 +137,7 @@ WHAT = "the positions of a session"
 
 
 def paths_in(content: bytes) -> dict[str, bytes]:
-    """Return the rows of each path by digest, with time and position.
+    """Return the rows (time and position) of each path, by its digest.
 
     >>> paths_in(b"positions_digest\\ttime_s\\tposition_m\\nab\\t0.001000\\t0.050000000\\n")
     {'ab': b'0.001000\\t0.050000000\\n'}
@@ -150,7 +150,7 @@ def paths_in(content: bytes) -> dict[str, bytes]:
 
 
 def positions_defects(journal: Path, trials: Iterable[Trial]) -> Iterator[Defect]:
-    """Yield defects where the path of a texture trial is missing or differs."""
+    """Yield defects for texture trials whose path is missing or differs."""
     wanted = dict.fromkeys(trial.positions_digest for trial in trials if trial.positions_digest is not None)
     file = journal.with_name(f"{journal.stem}_positions.tsv")
     name = f"journals/{file.name}"
@@ -163,5 +163,5 @@ def positions_defects(journal: Path, trials: Iterable[Trial]) -> Iterator[Defect
     for digest in wanted:
         lines = paths.get(digest)
         if lines is None or digest_of(lines) != digest:
-            found = "no path" if lines is None else "another path than the one that was followed"
-            yield Defect(name, None, f"found {found} under {digest}, expected it as it was kept; restore a copy")
+            found = "no path" if lines is None else "another path than the recorded one"
+            yield Defect(name, None, f"found {found} under {digest}, expected the recorded path; restore a copy")

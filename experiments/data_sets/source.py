@@ -1,4 +1,4 @@
-"""Data set prepared for export: rows as text, and meanings of columns."""
+"""Data set prepared for export: rows as text, and column descriptions."""
 
 import json
 import shlex
@@ -34,10 +34,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class ExportedDataSet:
-    """Rows as text, columns with meanings, and the data set's description.
+    """Rows as text, described columns, and the data set's description.
 
-    `used` are the rows that enter an analysis, `forms` the answered questionnaires, `choices` the names of answered
-    forms of choices, `origin` whether people answered, and `of_traces` the columns of traces.
+    `used` are the rows that enter an analysis and `forms` the answered questionnaires. `choices` are the names of
+    answered choice forms. `origin` states whether participants are people or simulated, and `of_traces` are the columns
+    of traces.
     """
 
     rows: tuple[Row, ...]
@@ -66,9 +67,9 @@ class ExportedDataSet:
         return (*self.forms, *self.choices)
 
     def form(self, row: Row) -> str:
-        """Return the questionnaire of a row, or empty.
+        """Return the questionnaire of a row, or an empty text.
 
-        It is an answer, or a touch that led to none.
+        A questionnaire's row is an answer, or a touch without an answer.
 
         >>> ExportedDataSet((), (), (), "", "").form({"task": "yes_no", "procedure": "staircase"})
         ''
@@ -77,7 +78,7 @@ class ExportedDataSet:
         return name if name in self.asked else ""
 
     def text(self, name: str) -> str:
-        """Return the only value of a column; empty for several or none.
+        """Return the only value of a column, or an empty text for several values.
 
         >>> ExportedDataSet(({"study": "a"}, {"study": "a"}), (), (), "", "").text("study")
         'a'
@@ -87,7 +88,7 @@ class ExportedDataSet:
 
 
 def _whose(row: Row) -> tuple[str, str]:
-    """Parse the session number, which other programs write as 1.0 or 001."""
+    """Return participant and session. Accepts sessions such as 1.0 or 001."""
     session = row.get("session")
     return row["participant"], str(int(float(session))) if session else "1"
 
@@ -98,8 +99,8 @@ def read_source(path: Path) -> ExportedDataSet:
     Raises
     ------
     InvalidFile
-        If there is nothing to read, a table is damaged, a study name is invalid, or people and simulated participants
-        share the tables.
+        If there are no tables, a table is damaged, a study name is invalid, or the tables mix people and simulated
+        participants.
     """
     trials = read_trials(path)
     kept, origin = of_one_kind(trials)
@@ -112,7 +113,7 @@ def read_source(path: Path) -> ExportedDataSet:
     tables = [text_cells(file, verbatim=True) for file in trial_files(path)]
     for file, table in zip(trial_files(path), tables, strict=True):
         _check_study(table, file)
-    fullest = max(tables, key=lambda table: table.shape[1])  # older sessions lack the columns that came later
+    fullest = max(tables, key=lambda table: table.shape[1])  # older sessions lack columns that later versions added
     names = [str(name) for name in fullest.columns if name != "row"]
     description = json_table(path / NAME)
     title = str(description.get("name") or path.stem)
@@ -131,7 +132,7 @@ def read_source(path: Path) -> ExportedDataSet:
 
 
 def _trace_columns(root: Path, names: Sequence[str]) -> tuple[Column, ...]:
-    """Return the trace columns of a data set that its rows lack."""
+    """Return the columns of a data set's traces that its rows do not have."""
     explained = [read_sidecar(sidecar_of(file)) for file in files_in(root / FOLDER, "*.tsv.gz")]
     columns = {column.name: column for said in explained for column in said.columns}
     return tuple(column for name, column in columns.items() if name not in names)
@@ -143,7 +144,7 @@ def _rows(table: pd.DataFrame, names: Sequence[str]) -> list[Row]:
 
 
 def _check_study(table: pd.DataFrame, file: Path) -> None:
-    """Refuse a study name that cannot be part of a file name."""
+    """Reject a study name that cannot be part of a file name."""
     rule = RULES["study"]
     for text in table["study"].unique() if "study" in table.columns else ():
         if text and not rule.holds(text):
@@ -172,7 +173,7 @@ def _column(name: str, description: Mapping[str, object]) -> Column:
 
 
 def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
-    """Write files by path below a new or empty folder; return sorted paths.
+    """Write files into a new or empty folder, and return their sorted paths.
 
     Raises
     ------
@@ -182,7 +183,7 @@ def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
         If the disk is full or fails.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InvalidParameter(f"--out: found that {folder} holds something, expected a new or an empty folder")
+        raise InvalidParameter(f"--out: found files in {folder}, expected a new or an empty folder")
     written = []
     for name, content in files:
         make_folder((folder / name).parent)
@@ -192,7 +193,7 @@ def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
 
 
 def readme_heading(source: ExportedDataSet, *lines: str) -> str:
-    r"""Format the title, further lines and the description of a data set as Markdown.
+    r"""Format title, further lines and description of a data set as Markdown.
 
     >>> readme_heading(ExportedDataSet((), (), (), "<i>a", "A study."), "Simulated.")
     '# \\<i>a\n\nSimulated.\n\nA study.'
@@ -202,7 +203,7 @@ def readme_heading(source: ExportedDataSet, *lines: str) -> str:
 
 
 def how_to_read(factors: Sequence[str]) -> str:
-    """Return the first line of a column map that reads an exported folder.
+    """Return the comment of a column map with the command that reads it.
 
     >>> how_to_read(["force_n", "frequency_hz"])
     '# tactometry analyse . --columns columns.toml --within force_n,frequency_hz'
@@ -213,5 +214,5 @@ def how_to_read(factors: Sequence[str]) -> str:
 
 
 def json_text(value: object) -> bytes:
-    """Format indented JSON in the given order."""
+    """Format a value as indented JSON, keeping the order of keys."""
     return (json.dumps(value, indent=2, ensure_ascii=False) + "\n").encode()

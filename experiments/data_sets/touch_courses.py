@@ -23,7 +23,7 @@ from .traces import RecordedTouch, touches
 BEFORE_S: Final = 0.5
 STEP_S: Final = 0.01
 SHARES: Final = (5, 50, 95)
-"""Percentiles over touches."""
+"""Reported percentiles over touches."""
 COLUMNS: Final = (
     *("participant", "quantity", "target", "band_low", "band_high"),
     *("time_s", "low", "median", "high", "n_touches", "n_unread"),
@@ -31,7 +31,7 @@ COLUMNS: Final = (
 
 
 class Wanted(NamedTuple):
-    """Participant, quantity, target and relative tolerance (None: any)."""
+    """Participant, quantity, target and relative tolerance (None: unlimited)."""
 
     participant: str
     quantity: str
@@ -40,9 +40,9 @@ class Wanted(NamedTuple):
 
 
 class MeasuredCourse(NamedTuple):
-    """Measured quantity of a touch around onset.
+    """Samples of one quantity of a touch around onset.
 
-    Time stamps (n_samples,) rise, in s from the onset. The last field is the stimulus duration.
+    Time stamps (n_samples,) increase and are in s from the onset. `duration_s` is that of the stimulus.
     """
 
     wanted: Wanted
@@ -54,13 +54,13 @@ class MeasuredCourse(NamedTuple):
 def touch_courses(path: Path) -> pd.DataFrame:
     """Compute percentiles of force and speed around onset over valid touches.
 
-    Practice is excluded. Only the folder of a data set has traces.
+    Practice trials are excluded. `path` must be a data set's folder, as a single file has no traces.
 
     Returns
     -------
     DataFrame
-        `COLUMNS`: for each participant, quantity (`force_n`, `speed_m_per_s`) and target, at each time (s) the 5th,
-        50th and 95th percentile over `n_touches`; `n_unread` samples of the participant are damaged or missing.
+        `COLUMNS`: 5th, 50th and 95th percentile over `n_touches` at each time (s), by participant, quantity (`force_n`,
+        `speed_m_per_s`) and target. `n_unread` samples of the participant are damaged or missing.
     """
     read_or_not = [(touch, _courses(path, touch)) for touch in _valid_touches(path)]
     courses = [course for _, found in read_or_not for course in found or ()]
@@ -116,7 +116,7 @@ def _rising(touch: RecordedTouch, table: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def _table(wanted: Wanted, courses: list[MeasuredCourse], n_unread: int) -> pd.DataFrame:
-    """Compute percentiles at times that lie within the samples of a touch."""
+    """Return the percentiles at times that the samples of a touch cover."""
     longest_s = max(course.duration_s for course in courses)
     times_s = STEP_S * np.arange(-round(BEFORE_S / STEP_S), round(longest_s / STEP_S) + 1)
     at = np.array([np.interp(times_s, *course[1:3], left=np.nan, right=np.nan) for course in courses])

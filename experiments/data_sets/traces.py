@@ -28,15 +28,15 @@ from ..study.study_file import parse
 Felt = Played | Touched | Adjusted
 Asked = Play | Press | Slide | Adjust
 MOST_SAMPLES: Final = 2**26
-"""Of a sensor in a session: 18 hours at 1 kHz (unverified default)."""
+"""Largest number of samples of a sensor in a session: 18 hours at 1 kHz (unverified default)."""
 RAMP: Final = "ramp_s"
-"""How the head of a sitting says what ramps its signals had."""
+"""Key of a sitting's head for the ramp duration of its signals."""
 
 
 class Samples(NamedTuple):
-    """Time stamps (n_samples,) in s of the session, and values.
+    """Time stamps (n_samples,) in s from the start of the session, and values.
 
-    Values are (n_samples,) N or (n_samples, n_axes) m.
+    Values are forces (n_samples,) in N or positions (n_samples, n_axes) in m.
     """
 
     times_s: FloatArray
@@ -45,22 +45,22 @@ class Samples(NamedTuple):
 
 @dataclass(frozen=True)
 class TouchTrace:
-    """One touch of a trial: request, result and samples.
+    """One touch of a trial: request, result and recorded samples.
 
     Parameters
     ----------
     head : Head
-        Head of the sitting.
+        Head of the sitting (part of a session).
     trial : Trial
         First row of its trial.
     request, answer
-        Request and result. Times are seconds of the session.
+        Request and result of the touch. Times are in s from the start of the session.
     force, position : Samples or None
-        Recorded from the request on, for at most a minute.
+        Samples recorded from the request on, for at most a minute.
     emitted : Signal or None
-        From the onset on; None if nothing was emitted, or if it cannot be recomputed.
+        Emitted signal from the onset on. None if nothing was emitted, or the signal cannot be recomputed.
     unknown : str or None
-        Reason why it cannot be recomputed.
+        Reason why the emitted signal cannot be recomputed.
     """
 
     head: Head
@@ -74,7 +74,7 @@ class TouchTrace:
 
     @property
     def played(self) -> bool:
-        """True if the touch reached its stimulus or the blank."""
+        """True if the stimulus or the blank interval was presented."""
         return not isinstance(self.answer, Touched) or self.answer.played
 
 
@@ -86,31 +86,31 @@ def read_traces(
     session: int | None = None,
     bench: Path | None = None,
 ) -> list[TouchTrace]:
-    """Read the touches of a trial in order, of all attempts.
+    """Read the touches of all attempts at a trial, in order.
 
-    The emitted signal is read from the file if it followed the finger, and else computed from the study. It is None if
-    its digest differs from that in the journal.
+    An emitted signal that followed the finger is read from its file. Others are computed from the study, or None if the
+    digest differs from that in the journal.
 
     Parameters
     ----------
     path : Path
-        The folder of a data set, or a journal of one.
+        Folder of a data set, or one of its journals.
     trial : int
         Number of the trial in its session.
     participant, session
-        Whose; may be left out where the data set has one alone.
+        Participant and session, if the data set has several.
     bench : Path, optional
-        The bench file, where its learnt responses or its board made other signals of the study's stimuli.
+        Bench file, needed if its learned responses or its board changed the signals of the study.
 
     Returns
     -------
     list of TouchTrace
-        Empty where nothing was felt in the trial.
+        Empty if the trial had no touch.
 
     Raises
     ------
     InvalidFile
-        If the journal or the traces are damaged, or no session or several are meant.
+        If the journal or the traces are damaged, or not exactly one session matches.
     InvalidParameter
         If the session has no such trial.
 
@@ -130,15 +130,15 @@ def read_traces(
     journal = _journal(path, participant, session)
     recording, root = read(journal), journal.parent.parent
     numbers = {row.trial for row in recording.trials}
-    span = f"from {min(numbers)} to {max(numbers)}" if numbers else "but it has no trials yet"
-    expect(trial in numbers, "trial", trial, f"one of {journal.stem}, {span}")
+    span = f"from {min(numbers)} to {max(numbers)}" if numbers else "which has no trials yet"
+    expect(trial in numbers, "trial", trial, f"a trial of {journal.stem}, {span}")
     felt = [touch for touch in touches(recording) if touch.trial.trial == trial]
     bank = _bank(root, bench) if any(touch.digest for touch in felt) else {}
     return [_read(root, touch, bank) for touch in felt]
 
 
 class RecordedTouch(NamedTuple):
-    """Touch in a journal, with its session head and first trial row."""
+    """Touch in a journal, with its session head and trial row."""
 
     head: Head
     request: Asked
@@ -147,17 +147,17 @@ class RecordedTouch(NamedTuple):
 
     @property
     def digest(self) -> str | None:
-        """Digest of the emitted signal, if there was a single one."""
+        """Digest of the emitted signal, or None if there was not exactly one."""
         return None if isinstance(self.answer, Adjusted) else self.answer.digest or None
 
 
 def touches(recording: Recording) -> Iterator[RecordedTouch]:
-    """Yield the touches of a session that led to a row, in order.
+    """Yield the touches of a session whose trials have a row, in order.
 
-    Each has the final row of its trial, which may have been repeated later.
+    Each has the final row of its trial, in which a trial that was cancelled later is not valid.
     """
     head, felt = recording.head, list[tuple[Asked, Felt]]()
-    rows = {row.key: row for row in reversed(recording.trials)}  # the first of each trial
+    rows = {row.key: row for row in reversed(recording.trials)}  # keeps the first row of each trial
     for line in recording.lines:
         match line:
             case Head():
@@ -170,7 +170,7 @@ def touches(recording: Recording) -> Iterator[RecordedTouch]:
 
 
 def _journal(path: Path, participant: str | None, session: int | None) -> Path:
-    """Find the one journal of a participant's session."""
+    """Return the only journal that matches participant and session."""
     if path.is_file():
         return path
     every = list(sessions(path))
@@ -180,17 +180,17 @@ def _journal(path: Path, participant: str | None, session: int | None) -> Path:
     meant = [journal for journal in every if wanted.items() <= keys_of(journal.stem).items()]
     if len(meant) != 1:
         found = f"{count_of(len(meant), 'session')}{' of ' if wanted else ''}{', '.join(wanted.values())}"
-        raise InvalidFile(f"{path}: found {found}, expected one; say which, by participant and session")
+        raise InvalidFile(f"{path}: found {found}, expected one; state its participant and session")
     return meant[0]
 
 
 def _bank(root: Path, bench: Path | None) -> Mapping[str, Stimulus]:
-    """Return the stimuli of the recorded study as this bench plays them."""
+    """Return the stimuli of the recorded study, as the bench plays them."""
     path = root / "study.toml"
     study = parse(read_file(path, "the study that ran"), str(path))
     try:
         experiment = wire(study, str(path), begun=True)
-    except TactometryError:  # its files or its code are not at hand: of these nothing is computed
+    except TactometryError:  # files or code of the study are missing: their stimuli are not computed
         experiment = wire(study, str(path), plays=False)
     bank = experiment.bank if bench is None else bank_on(experiment, load_bench(bench))
     return {name: stimulus for name, stimulus in bank.items() if getattr(stimulus, "read", True)}
@@ -218,7 +218,7 @@ def _stored(root: Path, part: TracePart) -> Signal:
 
 
 def _computed(touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> Signal | None:
-    """Compute the emitted signal of a fixed stimulus if its digest matches."""
+    """Compute the emitted signal of a stimulus, or None if its digest differs."""
     level = touch.request.level if isinstance(touch.request, Play | Press | Slide) else None
     if touch.digest is None or level is None or touch.request.stimulus not in bank:
         return None
@@ -236,14 +236,14 @@ def _unknown(touch: RecordedTouch) -> str:
     ]
     recorded = f": {', '.join(others)}" if others else ""
     return (
-        f"the study gives another signal than that of the digest {touch.digest}; it was recorded by another version"
-        f"{recorded}, or on a bench that learnt responses or has a board (give its file); where a simulated finger was "
-        "on a texture is not kept"
+        f"the study's signal differs from the recorded digest {touch.digest}. It was recorded by another version"
+        f"{recorded}, or on a bench with learned responses or a board (state its file), or with a simulated finger "
+        "on a texture, whose path is not stored"
     )
 
 
 def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:
-    """Yield defects where traces in a journal are missing or changed."""
+    """Yield defects for traces of a journal that are missing or changed."""
     parts: dict[str, list[TracePart]] = {}
     for line in recording.entries:
         for part in getattr(line.answer, "trace", ()):
@@ -259,20 +259,20 @@ def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:
 
 
 def described(root: Path, parts: Sequence[TracePart]) -> TraceDescription:
-    """Read the description of traces and check it against their samples.
+    """Read the description of traces, and check it against their samples.
 
     Raises
     ------
     InvalidFile
-        If it is missing, damaged, or does not fit the samples.
+        If the description is missing, damaged, or does not fit the samples.
     """
     beside = root / sidecar_of(Path(parts[0].file))
     said = read_sidecar(beside)
     first, last = read_part(root, parts[0]), read_part(root, parts[-1])
-    one_each = f"one for each of the {first.shape[1]} columns of its samples"
+    one_each = f"a name for each of the {first.shape[1]} columns of the samples"
     expect(first.shape[1] == len(said.columns), f"{beside}: Columns", said.names, one_each, InvalidFile)
     if kind_of(parts[0]) != "emitted":
         n_samples = (last[-1, 0] - first[0, 0]) * said.rate_hz
-        rate = f"the rate of its samples, of at most {MOST_SAMPLES} in a session"
+        rate = f"the rate of the samples, at most {MOST_SAMPLES} in a session"
         expect(n_samples < MOST_SAMPLES, f"{beside}: SamplingFrequency", f"{said.rate_hz:g} Hz", rate, InvalidFile)
     return said

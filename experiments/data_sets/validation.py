@@ -1,4 +1,4 @@
-"""Validation of a data set: every defect with its file and row."""
+"""Validate a data set, and report every defect with its file and row."""
 
 import csv
 import io
@@ -43,7 +43,7 @@ CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
 @dataclass(frozen=True)
 class Soundness:
-    """Result of a validation: defects make a data set unsound, notes do not."""
+    """Result of a validation. Defects make a data set invalid, notes do not."""
 
     n_sessions: int
     n_trials: int
@@ -57,7 +57,7 @@ def validate(path: Path) -> Soundness:
     Raises
     ------
     InvalidFile
-        If there is no such folder or file, or it cannot be read.
+        If the folder or file does not exist or cannot be read.
     """
     if path.is_dir():
         return _data_set(path)
@@ -66,7 +66,7 @@ def validate(path: Path) -> Soundness:
     content = read_file(path, "a data set or a trials file")
     n_trials, unsound = n_rows(content), list(defects(content, path.name))
     if not unsound and n_trials == 0:
-        unsound = [Defect(path.name, None, "found a header alone, expected a row for each trial")]
+        unsound = [Defect(path.name, None, "found only a header, expected a row for each trial")]
     unsound += _refusals(path) if not unsound else ()
     return Soundness(1, n_trials, tuple(merge_alike(unsound)), ())
 
@@ -88,12 +88,12 @@ def _data_set(root: Path) -> Soundness:
     for journal in journals:
         unsound += _with_unreadable(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
     unsound += _trace_descriptions(root)
-    different = dict.fromkeys(unsound)  # a session and its files of traces may state one defect
+    different = dict.fromkeys(unsound)  # a session and its trace files may report the same defect
     return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(merge_alike(different)), tuple(notes))
 
 
 def _trace_descriptions(root: Path) -> Iterator[Defect]:
-    """Yield unreadable trace descriptions, even if no journal names them."""
+    """Yield unreadable trace descriptions, including those in no journal."""
     for file in files_in(root / FOLDER, "*.tsv.gz"):
         try:
             read_sidecar(sidecar_of(file))
@@ -102,7 +102,7 @@ def _trace_descriptions(root: Path) -> Iterator[Defect]:
 
 
 def _refusals(path: Path) -> Iterator[Defect]:
-    """Yield what `analyse` and `export` refuse in an otherwise sound file."""
+    """Yield errors of `analyse` and `export` for an otherwise valid file."""
     from .source import read_source  # slow to load
 
     try:
@@ -112,7 +112,7 @@ def _refusals(path: Path) -> Iterator[Defect]:
 
 
 def _with_unreadable(root: Path, name: str, unsound: Iterator[Defect]) -> Iterator[Defect]:
-    """Yield defects, and a last one if a file is unreadable."""
+    """Yield defects, and a last one for an unreadable file."""
     try:
         yield from unsound
     except InvalidFile as error:
@@ -120,7 +120,7 @@ def _with_unreadable(root: Path, name: str, unsound: Iterator[Defect]) -> Iterat
 
 
 def _unreadable(root: Path, name: str, error: TactometryError) -> Defect:
-    """Return an error as a defect of its file, or of `name`."""
+    """Return an error as a defect of the file it names, or of `name`."""
     path, _, what = str(error).partition(": ")
     within = Path(path).is_relative_to(root)
     return Defect(Path(path).relative_to(root).as_posix() if within else name, None, what if within else str(error))
@@ -138,11 +138,11 @@ def _codes_by_capitals(root: Path) -> Iterator[str]:
     for _, group in groupby(sorted(participants(root), key=str.casefold), key=str.casefold):
         codes = list(group)
         if len(codes) > 1:
-            yield f"journals: {' and '.join(codes)} differ in capitals alone, which not every disk tells apart"
+            yield f"journals: {' and '.join(codes)} differ only in capital letters, which some disks do not distinguish"
 
 
 def _mixture(journals: list[Path]) -> Iterator[Defect]:
-    """Yield a defect if people and simulated participants share the folder."""
+    """Yield a defect if people and simulated participants are in one folder."""
     kinds: dict[bool, list[str]] = {}
     for journal in journals:
         with suppress(InvalidFile):  # `_session` reports damaged journals
@@ -157,11 +157,11 @@ def _drafts(root: Path) -> Iterator[str]:
     for folder in (root, root / "data", root / "journals"):
         for path in drafts(folder):
             way = "remove it" if folder == root else "tactometry rebuild removes it"
-            yield f"{path.relative_to(root)}: a draft that an interruption left; {way}"
+            yield f"{path.relative_to(root)}: a temporary file left by an interruption; {way}"
 
 
 def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
-    """Count erased participants, and add unfinished erasures as defects."""
+    """Add a note or a defect per erasure, and return their number."""
     try:
         erasures = read_erasures(root)
     except InvalidFile as error:
@@ -170,7 +170,7 @@ def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
     for number, erasure in enumerate(erasures, 1):
         who = erasure.participant
         if erasure.finished_utc is None:
-            text = f"found an unfinished erasure of {who}, expected it finished; repeat tactometry erase"
+            text = f"found an unfinished erasure of {who}, expected a finished one; repeat tactometry erase"
             unsound.append(Defect(RECORD, number, text))
         else:
             sessions_of = count_of(erasure.n_sessions, "session")
@@ -190,7 +190,7 @@ def _study(root: Path, unsound: list[Defect]) -> Experiment | None:
 def _description(root: Path, contents: dict[Path, bytes]) -> Iterator[Defect]:
     name = NAME
     if not os.path.lexists(root / name):
-        yield Defect(name, None, "found no such file, expected the description that Psych-DS asks for")
+        yield Defect(name, None, "found no such file, expected the description that Psych-DS requires")
         return
     description = read_description(root / name)
     wanted = {"@context": "https://schema.org/", "@type": "Dataset"}
@@ -223,7 +223,7 @@ def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defec
 
 
 def _strange_rows(file: Path, content: bytes) -> Iterator[Defect]:
-    """Yield the first row of another participant, session or study."""
+    """Yield a defect for the first row of another session or study."""
     named = keys_of(file.stem)
     try:
         header, *rows = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
@@ -234,8 +234,8 @@ def _strange_rows(file: Path, content: bytes) -> Iterator[Defect]:
             continue
         place = header.index(key)
         for number, cells in enumerate(rows, 2):
-            value = "".join(cells[place : place + 1])  # empty in a row that ends before the column
-            if value.replace("-", "") != named[key]:  # a file's name keeps hyphens for its own keys
+            value = "".join(cells[place : place + 1])  # empty if the row ends before the column
+            if value.replace("-", "") != named[key]:  # file names use hyphens only after their keys
                 text = f"column {key!r}: found {value!r}, expected {named[key]!r} as in"
                 yield Defect(f"data/{file.name}", number, f"{text} the file's name")
                 return
@@ -288,13 +288,13 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
 
 def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:
     if has_rows(root, journal):
-        yield Defect(f"journals/{journal.name}", None, "found no trial, expected those of the trials file")
+        yield Defect(f"journals/{journal.name}", None, "found no trials, expected those of the trials file")
     else:
         notes.append(f"journals/{journal.name}: the session has not begun; start it with --resume")
 
 
 def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
-    """Yield defects where the events file differs from its journal."""
+    """Yield defects for an events file that differs from its journal."""
     file = journal.with_name(f"{journal.stem}_events.tsv")
     name = f"journals/{file.name}"
     if os.path.lexists(file) or recording.event_rows:

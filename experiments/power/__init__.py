@@ -1,1 +1,1 @@
-"""Power of a study before it is run: whole studies are simulated and tested."""
+"""Power analysis by simulating and testing whole studies."""

@@ -1,4 +1,4 @@
-"""Power analysis from design to recommendation."""
+"""Run a power analysis, from the design to a recommendation."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,7 +26,10 @@ def power(
     folder: Folder | None = None,
     tell: Callable[[Batch], None] = lambda batch: None,
 ) -> Power:
-    """Simulate studies until their powers are known; reuse a `folder`."""
+    """Simulate studies until their powers are precise enough.
+
+    Batches stored in `folder` are reused.
+    """
     found = Summary(design)
     stored = () if folder is None else (folder.kept, folder.keep, folder.simulated)
     batches = sample(design, spread, *stored)

@@ -14,7 +14,7 @@ from tactometry.records.head import LARGEST_SEED
 from .effect import StatedEffect
 
 MOST_NUMBERS: Final = 7
-"""A range of participants without a step is tried at so many numbers at most."""
+"""Largest number of values tried for a range of participants without a step."""
 FEWEST_PARTICIPANTS: Final = 3
 MOST_PARTICIPANTS: Final = 999
 _RANGE = re.compile(r"\s*(\d+)\s*\.\.\s*(\d+)(?:\s*:\s*(\d+))?\s*")
@@ -23,7 +23,7 @@ _WHOLE = re.compile(r"\s*\d{1,9}\s*")
 
 @dataclass(frozen=True)
 class Case:
-    """Kind of study to simulate: trials per track (None: as in the study), effect."""
+    """Kind of study to simulate. `n_trials` None means: as in the study."""
 
     n_trials: int | None
     has_effect: bool
@@ -40,33 +40,35 @@ class Case:
 
 @dataclass(frozen=True)
 class PowerDesign:
-    """Everything that determines a power analysis.
+    """All inputs that determine a power analysis.
 
     Parameters
     ----------
     study_toml : bytes
+        Content of the study file.
     where : str
         Name of the study in errors.
     effect : StatedEffect
     participants : tuple of int
-        Numbers to try, rising. The largest is simulated; each smaller study is its first participants.
+        Numbers of participants to try, in increasing order. Only the largest study is simulated. Smaller studies
+        consist of its first participants.
     trials : tuple of (int or None)
-        In each track; None: as in the study.
+        Numbers of trials per track to try. None: as in the study.
     seed : int
     target : float
-        Power to reach.
+        Power to achieve.
     alpha : float
-        Level of the test.
+        Significance level of the test.
     precision : float
-        Half width of the 95 % interval of a power at which sampling stops.
+        Half width of a power's 95 % interval at which sampling stops.
     most, batch : int
-        Largest number of simulated studies of each case, and studies between checks whether to stop.
+        Largest number of simulated studies per case, and number of studies between checks whether to stop.
     dropout_share : float
-        Chance that a participant leaves, at a uniformly drawn trial.
+        Probability that a participant drops out, at a uniformly drawn trial.
     dependent : str
-        Dependent value; empty: the first of the task's analysis.
+        Dependent variable. If empty, the first one of the task's analysis.
     code_from : Path or None
-        Folder of the code of a custom observer.
+        Folder with the code of a custom observer.
 
     Raises
     ------
@@ -115,7 +117,7 @@ def participants_of(text: str) -> tuple[int, ...]:
     Raises
     ------
     InvalidParameter
-        If the text is invalid, or a range goes backwards.
+        If the text is invalid, or a range is descending.
 
     >>> participants_of("6..24"), participants_of("6..24:9"), participants_of("12, 8")
     ((6, 9, 12, 15, 18, 21, 24), (6, 15, 24), (8, 12))
@@ -123,7 +125,7 @@ def participants_of(text: str) -> tuple[int, ...]:
     where, expected = "--participants", "a range such as 6..24 or 6..24:2, or numbers such as 8,12,16"
     if match := _RANGE.fullmatch(text):
         low, high, step = int(match[1]), int(match[2]), int(match[3] or 0)
-        expect(low <= high, where, f"{text!r}, which goes backwards", f"the lower number first, as {high}..{low}")
+        expect(low <= high, where, f"{text!r}, a descending range", f"the lower number first, as {high}..{low}")
         numbers = _even_numbers(low, high) if not match[3] else range(low, high + 1, max(step, 1))
         expect(match[3] is None or step > 0, where, f"{text!r}, a step of 0", expected)
     else:
@@ -136,7 +138,7 @@ def participants_of(text: str) -> tuple[int, ...]:
 
 
 def trials_of(text: str | None) -> tuple[int | None, ...]:
-    """Parse numbers of trials; None if not stated.
+    """Parse numbers of trials, or return (None,) without any.
 
     >>> trials_of("60,40"), trials_of(None)
     ((40, 60), (None,))

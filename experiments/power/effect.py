@@ -1,4 +1,4 @@
-"""Stated effect: the change in threshold, sensation or score by level."""
+"""Stated effect: change in threshold, sensation or score between levels."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -15,13 +15,13 @@ from tactometry.trials.cells import cell as cell_text
 from ..study.study import Levels
 
 OF_SENSATION: Final = "dB SL"
-"""The unit of an effect on what is felt: decibels of sensation level."""
+"""Unit of an effect on sensation: decibels of sensation level."""
 OF_SCORE: Final = "points"
-"""The unit of an effect on the score of a questionnaire's dimension: that of the score."""
+"""Unit of an effect on the score of a questionnaire's dimension."""
 OF_PSE: Final = " PSE"
-"""Ends the unit of an effect on the point of subjective equality, in the unit of the levels."""
+"""Suffix of the level's unit, for an effect on the point of subjective equality."""
 OF_JND, OF_EXPONENT = "% JND", "% exponent"
-"""Units of effects on the just noticeable difference and on the exponent of magnitudes."""
+"""Units of effects on the just noticeable difference and on the exponent of magnitude estimates."""
 WHERE: Final = "--effect"
 EXAMPLES: Final = (
     "an effect such as 'force_n: 2 dB', 'force_n: 3 dB SL', 'force_n: 20 % JND', 'pattern: P1 = 3 dB, P4 = 1 dB' or "
@@ -38,13 +38,13 @@ class StatedEffect:
     ----------
     factor : str
     unit : str
-        ``"dB SL"``: change in sensation; ``"points"``: change in score; ``"% JND"`` and ``"% exponent"``: relative
-        change of these; the unit of the levels: change in threshold, or with `` PSE`` in the point of subjective
-        equality.
+        ``"dB SL"`` for a change in sensation, ``"points"`` for a change in score, ``"% JND"`` or ``"% exponent"`` for a
+        relative change of these. The unit of the levels stands for a change in threshold, or with the suffix `` PSE``
+        for a change in the point of subjective equality.
     change : float or None
-        From the first level to the last, in equal steps, half of it below zero.
+        Change from the first level to the last, in equal steps centred on zero.
     by_level : tuple of (str, float)
-        Alternative to `change`: changes by level; the others are unchanged.
+        Alternative to `change`: the change at each named level. Other levels are unchanged.
     """
 
     factor: str
@@ -64,11 +64,11 @@ class StatedEffect:
 
     @property
     def moves_levels(self) -> bool:
-        """True for an effect on how answers follow levels (`level_map`)."""
+        """True for an effect on how answers depend on levels (`level_map`)."""
         return self.unit in (OF_JND, OF_EXPONENT) or self.unit.endswith(OF_PSE)
 
     def ratios(self, levels: Sequence[float | str]) -> dict[str, float]:
-        """Return the ratio of each level for an effect in per cent.
+        """Return the ratio at each level, for an effect in per cent.
 
         >>> StatedEffect("force_n", "% JND", 21.0).ratios((0.5, 1.5, 3.0))["3"]
         1.1
@@ -105,12 +105,12 @@ class StatedEffect:
 
 
 def parse_effect(text: str) -> StatedEffect:
-    """Parse an effect of the command line.
+    """Parse an effect given on the command line.
 
     Raises
     ------
     InvalidParameter
-        If the text is not an effect.
+        If the text does not describe an effect.
 
     >>> parse_effect("force_n: 2 dB")
     StatedEffect(factor='force_n', unit='dB', change=2.0, by_level=())
@@ -141,13 +141,13 @@ def _quantity(words: str, text: str) -> tuple[float, str]:
     expect(match is not None, WHERE, repr(text), EXAMPLES)
     assert match is not None
     value, unit = float(match[1]), " ".join((match[2] or "").split())
-    expect(bool(unit), WHERE, f"{words!r}, a number without a unit", EXAMPLES)
+    expect(bool(unit), WHERE, f"{words!r} without a unit", EXAMPLES)
     expect(isfinite(value), WHERE, repr(words), "a finite number")
     return value, unit
 
 
 def check_effect(effect: StatedEffect, factors: Mapping[str, Levels]) -> None:
-    """Refuse an effect that a study with these factors cannot have.
+    """Reject an effect that a study with these factors cannot have.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def check_effect(effect: StatedEffect, factors: Mapping[str, Levels]) -> None:
         raise InvalidParameter(f"{WHERE}: found {effect.factor!r}, expected a factor of the study ({known}){hint}")
     levels = [cell_text(level) for level in factors[effect.factor]]
     one = f"the factor {effect.factor!r} with one level ({levels[0]})"
-    expect(len(levels) > 1, WHERE, one, "a factor with two levels or more, of which they can differ")
+    expect(len(levels) > 1, WHERE, one, "a factor with two or more levels")
     for name, _ in effect.by_level:
         if name not in levels:
             expected = f"a level of {effect.factor} ({', '.join(levels)})"
@@ -169,4 +169,6 @@ def check_effect(effect: StatedEffect, factors: Mapping[str, Levels]) -> None:
     stated = [value for _, value in effect.by_level] if effect.change is None else [effect.change]
     is_share = effect.unit not in (OF_JND, OF_EXPONENT) or min(stated) > -100
     expect(is_share, WHERE, repr(effect.words()), "a change above -100 %")
-    expect(len(set(changes)) > 1, WHERE, f"{effect.words()!r}, where no level differs", "an effect other than 0")
+    expect(
+        len(set(changes)) > 1, WHERE, f"{effect.words()!r}, which changes all levels equally", "an effect other than 0"
+    )

@@ -1,4 +1,4 @@
-"""Figure of power and false positives by number of participants."""
+"""Figure of power and false positives over the number of participants."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ APART = 0.12
 
 
 def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawing:
-    """Draw power with its target above, false positives with alpha below."""
+    """Plot power with its target, and false positives with alpha below."""
     with new_figure(6.0, 5.2) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1))
         for place, n_trials in enumerate(dict.fromkeys(point.n_trials for point in points)):
@@ -26,7 +26,7 @@ def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawin
             _curve(below, of_trials, "false_positives", place, label)
         above.axhline(design.target, color=GREY, linestyle="--", linewidth=0.8, label=f"target {design.target:g}")
         below.axhline(
-            design.alpha, color=GREY, linestyle=":", linewidth=1.0, label=f"level of the test {design.alpha:g}"
+            design.alpha, color=GREY, linestyle=":", linewidth=1.0, label=f"significance level {design.alpha:g}"
         )
         above.set(ylabel="Power", ylim=(0, 1.02), title=f"{design.effect.words()} ({design.dependent}, simulated)")
         highest = max(point.false_positives_high for point in points)

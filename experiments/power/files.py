@@ -1,4 +1,4 @@
-"""Folder of a power analysis: inputs, simulated studies by batch, results."""
+"""Folder of a power analysis: inputs, batches of studies, results."""
 
 import io
 from collections.abc import Iterable, Iterator, Sequence
@@ -25,12 +25,12 @@ STUDY, STUDIES, TABLE, DATA = "study.toml", "studies", "power.csv", "data"
 PLACE = "power --out"
 MARK = {b"simulated": b"true"}
 OF_FILES = ["row", "source"]
-"""Columns on the origin of a row in a file, which simulated trials lack."""
+"""Columns for the origin of a row, which simulated trials do not have."""
 _TYPES: Final = {int: "int64", bool: "bool_", float: "float64", float | None: "float64"}
 
 
 def asked(design: PowerDesign) -> dict[str, Any]:
-    """Return all inputs of the results except study bytes and versions."""
+    """Return all inputs that determine the results, except versions."""
     numbers = ("seed", "target", "alpha", "precision", "most", "batch", "dropout_share", "dependent")
     return {
         "study": design.where,
@@ -44,21 +44,21 @@ def asked(design: PowerDesign) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Folder:
-    """Folder of one power analysis; `keeps_data` also keeps all trials."""
+    """Folder of one power analysis. With `keeps_data`, it stores all trials."""
 
     root: Path
     keeps_data: bool = False
 
     @classmethod
     def prepared(cls, root: Path, design: PowerDesign, *, resume: bool, keeps_data: bool = False) -> "Folder":
-        """Prepare a folder, or with `resume` continue in one.
+        """Prepare a new folder, or continue in one with `resume`.
 
         Raises
         ------
         InvalidFile
-            If it contains a power analysis and `resume` is not given, or another one.
+            If the folder contains another power analysis, or contains this one and `resume` is False.
         DeviceFailed
-            Without pyarrow (an extra: power).
+            If pyarrow (extra: power) is not installed.
         """
         arrow(PLACE)
         prepare(root, asked(design), "power analysis", resume=resume)
@@ -69,7 +69,7 @@ class Folder:
         return cls(root, keeps_data)
 
     def simulated(self, design: PowerDesign, batch: Batch, spread: Spread) -> Iterable[Row]:
-        """Return the rows of a batch and keep its trials if requested."""
+        """Simulate a batch and return its rows. Stores its trials if requested."""
         if self.keeps_data:
             return simulated_and_kept(self.root, design, batch, spread)
         return simulated(design, batch, spread)
@@ -80,7 +80,7 @@ class Folder:
         Raises
         ------
         InvalidFile
-            If its file is damaged.
+            If the file of the batch is damaged.
         """
         path = self._path(batch)
         lacks_data = self.keeps_data and not all(file.exists() for file in paths_of(self.root, batch))
@@ -94,11 +94,11 @@ class Folder:
         except (pa.ArrowException, TypeError, KeyError, OSError) as damage:
             reason = " ".join(str(damage).split())
             raise InvalidFile(
-                f"{path}: cannot be read ({reason:.80}), expected a batch; remove it, then --resume"
+                f"{path}: cannot be read ({reason:.80}), expected a batch; remove it and use --resume"
             ) from None
 
     def keep(self, batch: Batch, rows: Sequence[Row]) -> None:
-        """Write a batch atomically; the same rows give the same bytes."""
+        """Write a batch atomically. The same rows give the same bytes."""
         content = io.BytesIO()
         pa = arrow(PLACE)
         pa.parquet.write_table(pa.Table.from_pylist([asdict(row) for row in rows], schema=_schema(pa)), content)
@@ -122,7 +122,7 @@ def paths_of(root: Path, batch: Batch) -> list[Path]:
 
 
 def simulated_and_kept(root: Path, design: PowerDesign, batch: Batch, spread: Spread) -> Iterator[Row]:
-    """Yield the rows of a batch, writing studies one by one to save memory."""
+    """Yield the rows of a batch, storing the trials of each study in turn."""
     made = spread(partial(_with_content, design, batch.case), range(batch.first, batch.end))
     for path, (rows, content) in zip(paths_of(root, batch), made, strict=True):
         write_atomically(path, content)

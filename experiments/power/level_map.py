@@ -1,8 +1,7 @@
-"""Effects on PSEs, JNDs and exponents, by another scale of the levels.
+"""Effects on PSEs, JNDs and exponents, simulated by rescaling the levels.
 
-A condition is simulated at the levels `played`, and its trials are read at the levels `stated`. Whatever simulated
-participants feel, answers follow the stated level as they follow the played one, moved by `shift` and stretched by
-`factor` about `pivot`.
+A condition is simulated at the `played` levels, and its trials are analysed at the `stated` levels. The stated levels
+are the played ones, moved by `shift` and stretched by `factor` about `pivot`. This works for every model of sensation.
 """
 
 from collections.abc import Mapping
@@ -31,7 +30,7 @@ DISTANCES: Final = (
 DECADE: Final = 20.0
 """Default of QUEST's `decade`."""
 DECIMALS: Final = 9
-"""Of levels, so that those that are stated equal are equal."""
+"""Decimals to which levels are rounded, so that equal stated levels compare equal."""
 
 
 @dataclass(frozen=True)
@@ -47,11 +46,11 @@ class LevelMap:
     factor: float = 1.0
 
     def stated(self, level: Any) -> Any:
-        """Return the stated level of a played one, or of an array."""
+        """Return the stated level for a played level, or for an array."""
         return np.round(self.pivot + self.shift + self.factor * (level - self.pivot), DECIMALS)
 
     def played(self, level: float) -> float:
-        """Return the level to play for a stated one."""
+        """Return the level to play for a stated level."""
         return self.pivot + (level - self.shift - self.pivot) / self.factor
 
 
@@ -60,8 +59,8 @@ def level_maps(
 ) -> dict[str, LevelMap]:
     """Return the map of each level of the effect's factor.
 
-    `slopes` are growth rates of sensation. Shifts start at 0 and factors at 1, so that no level above the stated ones
-    is played.
+    `slopes` are growth rates of sensation. Shifts are at least 0 and factors at least 1, so that no level above the
+    stated ones is played.
     """
     levels = experiment.study.factors[effect.factor]
     changes = effect.of_levels(levels)
@@ -84,7 +83,7 @@ def pivot_of(experiment: Experiment) -> float:
 def slopes_of(experiment: Experiment, factor: str, growths: Mapping[str, float]) -> dict[str, float]:
     """Return the growth of sensation at each level of a factor.
 
-    It is `growths`, or the inverse of stated widths.
+    The growth is that of `growths`, or the inverse of stated widths.
     """
     people = experiment.people.middle
     if not isinstance(people, Stated):
@@ -97,25 +96,25 @@ def slopes_of(experiment: Experiment, factor: str, growths: Mapping[str, float])
 
 
 def check_maps(study: Study, factor: str) -> None:
-    """Refuse a study whose levels cannot be mapped by the factor's levels.
+    """Reject a study whose levels cannot be mapped for the effect's factor.
 
     Raises
     ------
     InvalidParameter
-        If the factor is interleaved, another one changes the procedure, or the levels are spaced by ratios.
+        If the factor is interleaved, another factor changes the procedure, or the levels are spaced by ratios.
     """
-    apart = "one that is not interleaved: its levels need levels of the procedure of their own"
+    apart = "a factor that is not interleaved, as each of its levels needs a separate procedure"
     expect(factor not in study.plan.interleave, WHERE, f"the factor {factor!r}, which is interleaved", apart)
     others = (name for name in study.variants if name != factor)
     for name in others:
         changes = any("procedure" in tables for tables in study.variants[name].values())
         expect(not changes, WHERE, f"{name!r}, which changes the procedure", "the same procedure at all its levels")
     is_linear = study.procedure.get("spacing", "linear") == "linear" and study.procedure.get("shape") != "weibull"
-    expect(is_linear, WHERE, "a procedure on ratios of levels", "levels in decibels, or another linear unit")
+    expect(is_linear, WHERE, "a procedure that spaces levels by ratios", "levels in decibels, or another linear unit")
 
 
 def with_levels(study: Study, factor: str, maps: Mapping[str, LevelMap]) -> Study:
-    """Return the study with other played levels at a factor's levels."""
+    """Return the study with mapped levels at each level of a factor."""
     of_factor = study.variants.get(factor, {})
     changed = {}
     for level, level_map in maps.items():
@@ -137,7 +136,7 @@ def _played(table: Mapping[str, Any], level_map: LevelMap) -> dict[str, Any]:
 
 
 def with_stated_levels(rows: pd.DataFrame, factor: str, maps: Mapping[str, LevelMap]) -> pd.DataFrame:
-    """Replace played levels by stated ones and clear `correct` in trials."""
+    """Replace played levels by stated ones in trials, and clear `correct`."""
     found = rows.assign(correct=None)
     texts = rows[factor].map(lambda level: level if isinstance(level, str) else cell_text(level))
     for level, level_map in maps.items():

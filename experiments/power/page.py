@@ -21,7 +21,7 @@ PAGE, FIGURE = "power.html", "power"
 
 
 def write_page(found: Power, root: Path) -> None:
-    """Write the offline page, and its figure as SVG and PNG.
+    """Write the offline HTML page, and its figure as SVG and PNG.
 
     Raises `DeviceFailed` if a file cannot be written.
     """
@@ -33,7 +33,7 @@ def write_page(found: Power, root: Path) -> None:
 
 
 def page(found: Power, svg: str) -> str:
-    """Return the text of the page; the same results give the same text."""
+    """Return the page as HTML. The same results give the same text."""
     from jinja2 import Environment, StrictUndefined
 
     design, effect = found.design, found.design.effect
@@ -56,7 +56,7 @@ def page(found: Power, svg: str) -> str:
 
 @dataclass(frozen=True)
 class Applied:
-    """Simulated change at each level of a factor, as text and table."""
+    """Simulated change at each level of a factor: text and table rows."""
 
     words: str
     head: tuple[str, ...]
@@ -86,18 +86,19 @@ FELT: Final = ("felt more with the effect (dB)", "without (dB)")
 ATTITUDES: Final = ("attitude with the effect (-1 to 1)", "without")
 MOVED: Final = ("levels moved up by", "and stretched by")
 WORDS_OF_MOVED: Final = (
-    "All levels of {factor} are felt alike at the standard (magnitudes: in the middle of the levels). Answers follow "
-    "the level as those of the simulated people do, moved and stretched about it: a stretch of 1.2 makes a just "
-    "noticeable difference 1.2 times as large, and an exponent 1.2 times as small. Other differences between people "
-    "are those of [observer] and [observer.people] in the study."
+    "All levels of {factor} are felt alike at the standard (magnitudes: in the middle of the levels). The effect moves "
+    "and stretches the scale of the levels about that point: a stretch of 1.2 makes a just noticeable difference 1.2 "
+    "times as large and divides an exponent by 1.2. Other differences between participants are those of [observer] and "
+    "[observer.people] in the study."
 )
 WORDS_OF_LEVELS: Final = (
-    "Every participant feels so many decibels more at a level of {factor} than the skin model says. Without the effect "
-    "its levels are felt alike in the middle of the levels that are played, averaged over other factors; with it they "
-    "differ as stated. Other differences are those of [observer] and [observer.people] in the study."
+    "At each level of {factor}, every participant feels this many decibels more than the skin model predicts. Without "
+    "the effect, all levels of {factor} are felt alike in the middle of the played levels, averaged over other "
+    "factors. With the effect, they differ as stated. Other differences are those of [observer] and [observer.people] "
+    "in the study."
 )
 WORDS_OF_SCORES: Final = (
     "Every participant has these attitudes to the levels of {factor}, all of which are felt alike. Without the effect "
-    "no dimension of the questionnaire differs between them. Other differences between people are those "
+    "no dimension of the questionnaire differs between them. Other differences between participants are those "
     "of [observer.people] and [observer.raters] in the study."
 )

@@ -1,4 +1,4 @@
-"""One simulated study, tested for each number of participants."""
+"""Simulate one study, and test it for each number of participants."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -32,10 +32,10 @@ from .truth import TRUTH, true_thresholds
 class Row:
     """Result of one simulated study with a number of participants.
 
-    `n_trials` is 0 for the study's own number. `p` is None if no test had a result, which counts as not significant.
-    `found` is the effect in the data, in the unit of the dependent value; `error` the mean distance of known thresholds
-    from the true ones; `width` the mean width of intervals. Of `n_cells` (participants times conditions) `n_unknown`
-    have no value. `n_left_out` participants are not in the test.
+    `n_trials` is 0 for the number of trials in the study file. `p` is None if no test had a result, which counts as not
+    significant. `found` is the effect in the data, in the unit of the dependent variable. `error` is the mean
+    difference of known thresholds from the true ones, and `width` the mean width of intervals. `n_unknown` of `n_cells`
+    (participants times conditions) have no value. The test excludes `n_left_out` participants.
     """
 
     n_trials: int
@@ -54,16 +54,16 @@ class Row:
 
 
 def replicate(design: PowerDesign, case: Case, number: int) -> tuple[Row, ...]:
-    """Return the rows of study `number` of a case, a pure function.
+    """Simulate study `number` of a case, and return its rows.
 
-    Studies of one number share their people, orders and noise in all cases.
+    The function is pure. Studies with the same number share participants, orders and noise in all cases.
     """
     rows, _ = studied(design, case, number)
     return rows
 
 
 def studied(design: PowerDesign, case: Case, number: int) -> tuple[tuple[Row, ...], Trials]:
-    """Simulate a study as `replicate` does, and return its trials too."""
+    """Simulate a study like `replicate`, and return its trials too."""
     experiment = experiment_of(design, case)
     plan = plan_of_study(experiment.study)
     seed = seed_of(design.seed, number)
@@ -91,7 +91,7 @@ def codes(n: int) -> list[str]:
 
 
 def simulated(design: PowerDesign, experiment: Experiment, seed: int) -> Trials:
-    """Simulate the largest study, without trials after dropout."""
+    """Simulate the study with most participants, without trials after dropout."""
     study = experiment.study
     sessions = [
         Who(code, session, seed=seed)
@@ -115,7 +115,7 @@ def _by_participant(rows: pd.DataFrame) -> Any:
 
 
 class _Compared:
-    """Simulated study, estimated once and tested for each number of people."""
+    """Simulated study, fitted once and tested for each number of participants."""
 
     def __init__(
         self,
@@ -133,7 +133,7 @@ class _Compared:
         self.values = _with_truth(self._values(), truth)
 
     def _values(self) -> pd.DataFrame:
-        """Return thresholds, settings, rates or scores by participant, condition."""
+        """Return the dependent values by participant and condition."""
         factors = self.trials.factors
         if self.form is not None:
             return task_scores(self.trials, self.form)
@@ -195,7 +195,7 @@ class _Compared:
     def _found(self, values: pd.DataFrame) -> float | None:
         """Return the effect in the data.
 
-        It is the slope of the means of the levels over the stated effect, times its span.
+        Computed as the slope of the level means over the stated effect, times the range of that effect.
         """
         study = self.experiment.study
         effect = applied_effect(self.design.effect, study)
@@ -220,7 +220,7 @@ def _with_truth(values: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:
 
 
 def _error(values: pd.DataFrame, dependent: str) -> float | None:
-    """Return the mean distance of known values from the truth."""
+    """Return the mean difference of known values from the true ones."""
     if TRUTH not in values.columns:
         return None
     error = (pd.to_numeric(values[dependent]) - values[TRUTH]).mean()
@@ -241,7 +241,7 @@ def _width(values: pd.DataFrame, dependent: str) -> float | None:
 def mean_minutes(minutes: "pd.Series[float]", n: int) -> float:
     """Average the minutes of the first `n` participants who have trials.
 
-    They are summed in a fixed order, because the order of a set differs between processes and changes the last bits.
+    The sum has a fixed order. The order of a set differs between processes and would change the last bits.
     """
     return float(minutes[[code for code in codes(n) if code in minutes]].mean())
 

@@ -1,4 +1,4 @@
-"""Sequential sampling: batches of studies until their powers are precise."""
+"""Sequential sampling: batches of studies until powers are precise."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -12,8 +12,8 @@ from .design import Case, PowerDesign
 from .replicate import Row, replicate
 
 EXCLUDED_AT: Final = 0.999
-"""Sampling stops at a target that an interval of this coverage leaves out: batch after batch is asked, and one of 95 %
-would leave it out by chance too often."""
+"""Sampling stops when an interval with this coverage excludes the target. An interval of 95 % would exclude it by
+chance too often, as it is checked after every batch."""
 
 
 def is_settled(n_yes: int, n: int, precision: float, target: float | None) -> bool:
@@ -41,12 +41,12 @@ class Batch:
 
     @property
     def name(self) -> str:
-        """Stem of the chunk's file name, which sorts by number within a case."""
+        """Stem of the batch's file name. Names sort by number within a case."""
         return f"{self.case.name}_{self.first:07d}"
 
 
 class Significances:
-    """Number of simulated and of significant studies of a case."""
+    """Numbers of simulated and of significant studies of a case."""
 
     def __init__(self, design: PowerDesign, case: Case) -> None:
         self._design, self._case = design, case
@@ -60,7 +60,7 @@ class Significances:
 
     @property
     def are_settled(self) -> bool:
-        """True if all shares are settled; false positives have no target."""
+        """True if all shares are settled. False positives have no target."""
         if self.n >= self._design.most:
             return True
         target = self._design.target if self._case.has_effect else None
@@ -71,7 +71,7 @@ class Significances:
 
 
 Kept = Callable[[Batch], tuple[Row, ...] | None]
-"""The rows of a batch that an earlier run left, or None."""
+"""Function that returns the stored rows of a batch, or None."""
 Keep = Callable[[Batch, Sequence[Row]], None]
 Simulate = Callable[[PowerDesign, Batch, Spread], Iterable[Row]]
 
@@ -83,9 +83,9 @@ def sample(
     keep: Keep = lambda batch, rows: None,
     simulate: Simulate | None = None,
 ) -> Iterator[tuple[Batch, tuple[Row, ...]]]:
-    """Yield batches of each case with their rows, reusing kept ones.
+    """Yield the batches of each case with their rows, reusing stored ones.
 
-    The batches depend on the design only.
+    The batches depend only on the design.
     """
     for case in design.cases:
         counts = Significances(design, case)

@@ -1,4 +1,4 @@
-"""Simulated study of a case: its trials, and only the stated effect."""
+"""Studies to simulate, which have the stated effect and no other."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -32,12 +32,12 @@ from .scores import applied_effect, factors_of, form_of_task, has_patterns, with
 
 SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation", "rating", *level_map.TASKS)
 REFUSED: Final = {
-    "same_different": "its d' is estimated at each level, and no value of a participant in a condition is tested",
-    "preference": "its answers are compared within a trial, and no value of a participant in a condition is tested",
-    "measurement": "a sensor is read, and no participant feels an effect",
+    "same_different": "its analysis estimates d' at each level and tests no value per participant and condition",
+    "preference": "its analysis compares answers within trials and tests no value per participant and condition",
+    "measurement": "its levels are sensor readings, not sensations of a participant",
 }
 STEP_SHARE: Final = 0.05
-"""Of the range of the levels: the step over which the growth of sensation is read."""
+"""Step for computing the growth of sensation, as a share of the range of the levels."""
 
 
 def experiment_of(design: PowerDesign, case: Case) -> Experiment:
@@ -46,7 +46,7 @@ def experiment_of(design: PowerDesign, case: Case) -> Experiment:
 
 
 def maps_of(design: PowerDesign, case: Case) -> dict[str, LevelMap]:
-    """Return level maps by the levels of the effect's factor, or none."""
+    """Return the level map at each level of the effect's factor, or {}."""
     return _wired(design, case)[1]
 
 
@@ -68,12 +68,12 @@ def _wired(design: PowerDesign, case: Case) -> tuple[Experiment, dict[str, Level
 
 
 def plan_of_study(study: Study) -> AnalysisPlan:
-    """Return the analysis plan without the hierarchical fit, which tests nothing."""
+    """Return the analysis plan without the hierarchical fit (it has no test)."""
     return replace(build(AnalysisPlan, study.analysis, "analysis"), hierarchical=False)
 
 
 def check_design(design: PowerDesign) -> str:
-    """Return the dependent value of a design that can be simulated.
+    """Check that a design can be simulated, and return its dependent variable.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     with rewording(lambda words: f"{design.where}, {words}"):
         _check_people(experiment)
     task = experiment.table.kind
-    why = REFUSED.get(task, "it is not known how an effect acts on it")
+    why = REFUSED.get(task, "the effect of a factor on it is not defined")
     expect(task in SUPPORTED, f"{design.where}, task.kind", f"{task!r}", f"one of {', '.join(SUPPORTED)}: {why}")
     asked = f"the factor {design.effect.factor!r}, whose levels are the alternatives of a trial"
     expect(experiment.table.over != design.effect.factor, "--effect", asked, "another factor")
@@ -106,23 +106,23 @@ def _dependent(design: PowerDesign, study: Study) -> str:
 
 
 def _check_levels(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
-    """Return the dependents of a task of levels; check the effect's unit."""
+    """Check the effect's unit, and return the dependent variables of the task."""
     units = {cell.condition.level_unit.partition(" re ")[0] for cell in experiment.cells.values()}
     if experiment.table.kind in level_map.TASKS:
         return _check_moved_levels(design, experiment, units)
     felt = () if isinstance(experiment.people.middle, Stated) else (OF_SENSATION,)  # stated thresholds: no sensation
     allowed = sorted({*felt, *(units if len(units) == 1 else ())})
-    one = f"one of {', '.join(allowed)}: that of the levels, or of what is felt ({OF_SENSATION})"
+    one = f"one of {', '.join(allowed)}: the unit of the levels, or of sensation ({OF_SENSATION})"
     expect(design.effect.unit in allowed, "--effect", f"the unit {design.effect.unit!r}", one)
     return tuple(ANALYSES[experiment.table.kind].dependents)
 
 
 def _check_moved_levels(design: PowerDesign, experiment: Experiment, units: set[str]) -> tuple[str, ...]:
-    """Return the dependents of a comparison or magnitude; check the unit."""
+    """Check the unit in a comparison or magnitude task. Returns dependents."""
     kind, (unit, *others) = experiment.table.kind, sorted(units)
     of_pse = () if others else (f"{unit}{OF_PSE}",)
     allowed = (*of_pse, OF_JND) if kind == "comparison" else (OF_EXPONENT,)
-    example = f"as '{design.effect.factor}: 20 {allowed[-1]}'"
+    example = f"such as '{design.effect.factor}: 20 {allowed[-1]}'"
     one = f"one of {', '.join(allowed)}, {example}"
     expect(design.effect.unit in allowed, "--effect", f"the unit {design.effect.unit!r} of a {kind}", one)
     level_map.check_maps(experiment.study, design.effect.factor)
@@ -130,53 +130,55 @@ def _check_moved_levels(design: PowerDesign, experiment: Experiment, units: set[
 
 
 def _check_scores(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
-    """Return the dimensions of the questionnaire; check the effect."""
+    """Check the effect, and return the dimensions of the questionnaire."""
     form = form_of_task(experiment)
     assert form is not None
     with rewording(lambda words: f"{design.where}, {words}"):
         has_attitudes = experiment.people.raters is not None
-        expected = "that table: an effect on a score is one on attitudes"
+        expected = "the table [observer.raters], as an effect on a score changes attitudes"
         expect(has_attitudes, "observer.raters", "none", expected)
-    one = f"{OF_SCORE}, of the score of a dimension ({', '.join(form.dimensions)}; --dependent)"
+    one = f"{OF_SCORE}, the unit of scores (dimensions for --dependent: {', '.join(form.dimensions)})"
     expect(design.effect.is_of_score, "--effect", f"the unit {design.effect.unit!r}", one)
     has_test = design.effect.factor != PATTERN or not has_patterns(experiment.study)
     levels = map(str, experiment.study.factors.get(PATTERN, ()))
-    with_reference = f"frequency or envelope: without {REFERENCE} no test of single patterns is made"
+    with_reference = f"frequency or envelope, as single patterns are only tested against {REFERENCE}"
     expect(has_test or REFERENCE in levels, "--effect", f"the factor {PATTERN!r}", with_reference)
     return tuple(form.dimensions)
 
 
 def _check_places(experiment: Experiment, factor: str) -> None:
-    """Refuse a factor that moves the places of a localisation.
+    """Reject a factor that changes the places of a localisation task.
 
-    Its rates are compared by the distance between places.
+    The rates of such a task depend on the distance between places.
     """
     rows = ((cell.condition.factors[factor], places_of(cell.stimulus)) for cell in experiment.cells.values())
     by_level: dict[float | str, set[Any]] = {}
     for level, places in rows:
         by_level.setdefault(level, set()).add(places)
     are_alike = len({frozenset(places) for places in by_level.values()}) == 1
-    moves = f"the factor {factor!r}, whose levels are other places"
-    expect(are_alike, "--effect", moves, "one at whose levels the same places are felt")
+    moves = f"the factor {factor!r}, whose levels have different places"
+    expect(are_alike, "--effect", moves, "a factor with the same places at all levels")
 
 
 def _check_people(experiment: Experiment) -> None:
-    """Refuse people who may not be simulated, or who have no traits."""
+    """Reject simulated participants without traits, or with code not allowed."""
     experiment.people.check_allowed()
     kind = experiment.study.observer.get("kind", USUAL)
     has_traits = isinstance(experiment.people.middle, Varied)
-    expect(has_traits, "observer.kind", f"{kind!r}, which takes no [observer.people]", "a class with person(traits)")
+    expect(
+        has_traits, "observer.kind", f"{kind!r}, which does not accept [observer.people]", "a class with person(traits)"
+    )
 
 
 def with_trials(study: Study, n_trials: int | None) -> Study:
     """Return the study with a number of trials in each track.
 
-    It is the largest number of an adaptive rule, which may end earlier.
+    For an adaptive rule, this is the largest number. The rule may end earlier.
 
     Raises
     ------
     InvalidParameter
-        If its procedure has no such number.
+        If the procedure has no number of trials.
     """
     if n_trials is None:
         return study
@@ -198,27 +200,25 @@ def _tables_with_trials(study: Study, tables: Mapping[str, Any], n_trials: int) 
 
 def _trials_keys(procedure: Mapping[str, Any], n_trials: int) -> dict[str, int]:
     kind, levels = procedure.get("kind"), procedure.get("levels", ())
-    limits = "n_series: it has series, no number of trials; change the study"
+    limits = "n_series, as this method has no number of trials; change the study"
     expect(kind != "method_of_limits", "--trials", f"{n_trials} with the method of limits", f"a study file's {limits}")
     if kind != "constant_stimuli":
         return {"n_trials": n_trials}
     whole = n_trials % max(len(levels), 1) == 0
-    expect(whole, "--trials", f"{n_trials} with {len(levels)} constant levels", "as many trials at each level")
+    expect(whole, "--trials", f"{n_trials} with {len(levels)} constant levels", "a multiple of the number of levels")
     return {"repeats": n_trials // max(len(levels), 1)}
 
 
 def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) -> dict[str, float]:
-    """Return the change in sensation level (dB) at each level of the factor.
+    """Return the change in sensation level (dB) at each level of a factor.
 
-    It makes all levels of the factor feel alike in the middle of the played levels (or at the standard), and adds the
-    effect.
+    The changes make all levels of the factor feel alike in the middle of the played levels (or at the standard), and
+    add the effect.
     """
     middle_db, slopes = growths(experiment, effect.factor)
     for level, db in middle_db.items():
         found = f"no sensation at {effect.factor} {level} in the middle of the levels"
-        expect(
-            np.isfinite(db) and slopes[level] > 0, "--effect", found, "levels that are felt more the higher they are"
-        )
+        expect(np.isfinite(db) and slopes[level] > 0, "--effect", found, "a sensation that grows with the level")
     common_db = float(np.mean(list(middle_db.values())))
     changes = effect.of_levels(experiment.study.factors[effect.factor])
     effects_db = {level: changes[level] if effect.is_felt else -slopes[level] * changes[level] for level in middle_db}
@@ -237,8 +237,8 @@ def growths(experiment: Experiment, factor: str) -> tuple[dict[str, float], dict
 def growth(experiment: Experiment, cell: WiredCell) -> tuple[float, float]:
     """Return a cell's sensation level (dB) and its slope per level unit.
 
-    They are computed in the middle of the levels, or at the standard, for the requested touch. For stated thresholds,
-    the first is the distance above threshold in the unit of the level.
+    Both are computed in the middle of the levels, or at the standard, for the requested touch. With stated thresholds,
+    the first value is the distance above threshold in the unit of the level.
     """
     middle, people = float(getattr(experiment.task, "standard_level", middle_of(cell))), experiment.people.middle
     if isinstance(people, Stated):

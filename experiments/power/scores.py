@@ -1,4 +1,4 @@
-"""Effects on questionnaire scores: attitudes, and the test of the scores."""
+"""Effects on questionnaire scores: attitudes, and tests of scores."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -26,13 +26,13 @@ from .effect import StatedEffect
 OF_THESIS: Final[Mapping[str, Levels]] = {
     name: tuple(dict.fromkeys(values[place] for values in THESIS.values())) for place, name in enumerate(BY)
 }
-"""What the analysis of the patterns' ratings compares: the levels of repetition frequency and of envelope."""
+"""Levels of repetition frequency and of envelope, which the analysis of the patterns' ratings compares."""
 
 
 def factors_of(study: Study) -> dict[str, Levels]:
     """Return the factors that an effect may name.
 
-    They are those of the study, and frequency and envelope of the patterns.
+    These are the factors of the study. For the thesis's patterns, frequency and envelope are added.
     """
     return {**study.factors, **(OF_THESIS if has_patterns(study) else {})}
 
@@ -44,9 +44,9 @@ def has_patterns(study: Study) -> bool:
 
 
 def applied_effect(effect: StatedEffect, study: Study) -> StatedEffect:
-    """Return the effect as one of a factor of the study.
+    """Return an effect as the effect of one of the study's factors.
 
-    An effect of frequency or envelope is one of the patterns.
+    An effect of frequency or envelope becomes an effect of the factor `pattern`.
 
     >>> from ..study.study_file import load, parse
     >>> from .effect import parse_effect
@@ -69,20 +69,20 @@ def form_of_task(experiment: Experiment) -> Questionnaire | None:
 def attitude_per_point(raters: Raters, form: Questionnaire, dimension: str) -> float:
     """Return the attitude that raises the mean score of a dimension by 1.
 
-    It is the same to all items: `observers.raters.Raters` solved for the mean over items and people, where no answer is
-    at an end of the scale.
+    The attitude applies to all items. It is computed from the mean of `observers.raters.Raters` over items and
+    participants, assuming no answer at an end of the scale.
 
     >>> from tactometry.questionnaire import load
     >>> round(attitude_per_point(Raters(loading=0.5, extremity_cv=0.0), load("attrakdiff"), "ATT"), 4)
     0.6667
     """
     loading = float(np.mean([raters.loadings.get(item, raters.loading) for item in form.items_of(dimension)]))
-    extremity = exp(raters.extremity_cv**2 / 2)  # the mean of a lognormal factor
+    extremity = exp(raters.extremity_cv**2 / 2)  # mean of a lognormal factor
     return 2 / ((form.score_high - form.score_low) * loading * extremity)
 
 
 def with_attitudes(study: Study, effect: StatedEffect, experiment: Experiment, dimension: str, share: float) -> Study:
-    """Return the study with attitudes of `share` times the effect only."""
+    """Return the study with attitudes that are only `share` times the effect."""
     form, raters = form_of_task(experiment), experiment.people.raters
     assert form is not None
     assert raters is not None
@@ -98,13 +98,13 @@ def with_attitudes(study: Study, effect: StatedEffect, experiment: Experiment, d
 
 
 def attitudes_of(study: Study, factor: str) -> dict[str, float]:
-    """Return the attitude of `with_attitudes` at each level."""
+    """Return the attitude at each level, as in `with_attitudes`."""
     table: Mapping[str, Mapping[str, float]] = study.observer["raters"]["effects"][factor]
     return {cell_text(level): next(iter(of_level.values())) for level, of_level in table.items()}
 
 
 def task_scores(trials: Trials, form: Questionnaire) -> pd.DataFrame:
-    """Return the scores of the task's questionnaire by participant, condition."""
+    """Return the questionnaire scores by participant and condition."""
     rows = asked_rows(trials)
     rows = rows[(rows["task"] == FORM_TASK) & (rows["procedure"] == form.name)]
     return form_scores(rows, trials.factors, form) if len(rows) else pd.DataFrame()
@@ -113,7 +113,7 @@ def task_scores(trials: Trials, form: Questionnaire) -> pd.DataFrame:
 def p_of_scores(scored: pd.DataFrame, study: Study, dimension: str, factor: str, primary: str | None) -> float | None:
     """Return the p value of a factor in the analysis of ratings.
 
-    For the thesis's patterns it is that of the ANOVA by frequency and envelope. For the factor `pattern` it is the
+    For frequency or envelope of the thesis's patterns, p is from the ANOVA of both. For the factor `pattern`, p is the
     smallest Holm-corrected p against the single focus.
     """
     if not has_patterns(study):
@@ -124,7 +124,7 @@ def p_of_scores(scored: pd.DataFrame, study: Study, dimension: str, factor: str,
 
 
 def _least(table: pd.DataFrame, rows: Mapping[str, Any], column: str) -> float | None:
-    """Return the smallest value in rows with these values, None if missing."""
+    """Return the smallest value of a column in matching rows, or None."""
     if column not in table.columns:
         return None
     kept = np.logical_and.reduce([table[name] == value for name, value in rows.items()])
@@ -133,11 +133,11 @@ def _least(table: pd.DataFrame, rows: Mapping[str, Any], column: str) -> float |
 
 
 P_COLUMNS: Final = ("p_CM_corr", "p", "p_permutation")
-"""What an analysis reports of an effect: the first that its table has."""
+"""Columns with a reported p value. The first one in a table is used."""
 
 
 def p_of(tested: Outcome, factor: str) -> float | None:
-    """Return a factor's p value in the primary analysis, None if missing."""
+    """Return a factor's p value in the primary analysis, or None if missing."""
     effects = tested.effects
     if effects is None:
         return None

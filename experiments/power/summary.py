@@ -1,4 +1,4 @@
-"""Power and false positives with intervals, and a recommendation."""
+"""Power and false-positive rates with intervals, and a recommendation."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -15,19 +15,20 @@ from .replicate import Row
 from .scores import factors_of
 
 IN_LEVELS: Final = ("threshold", "setting")
-"""Dependent values in the unit of the levels, whose effect is known beforehand."""
+"""Dependent variables in the unit of the levels, for which the true effect is known."""
 
 
 @dataclass(frozen=True)
 class PowerEstimate:
-    """Estimates for a number of participants and trials (0: the study's own).
+    """Estimates for a number of participants and trials (0: as in the study).
 
     `power` and `false_positives` are shares of `n_studies` and `n_without_effect` simulated studies, each with its 95 %
-    interval (Clopper and Pearson 1934). Of the studies with the effect: `found` is the mean effect in the data, `bias`
-    its difference to the stated one (None if the dependent value is not in the unit of the effect), `threshold_bias`
-    the mean distance of known thresholds from the true ones, `width` the mean width of intervals, `untested_share` the
-    share of studies without a test result, `unknown_share` that of cells without a value, `n_left_out` the mean number
-    of participants without any, and `minutes` the duration of one participant.
+    interval (Clopper and Pearson 1934). The other values describe the studies with the effect. `found` is the mean
+    effect in the data. `bias` is its difference from the stated effect (None if the dependent variable is not in the
+    unit of the effect). `threshold_bias` is the mean difference of known thresholds from the true ones, and `width` the
+    mean width of intervals. `untested_share` is the share of studies without a test result, and `unknown_share` that of
+    cells without a value. `n_left_out` is the mean number of participants without any value, and `minutes` the mean
+    duration for one participant.
     """
 
     n_trials: int
@@ -52,7 +53,7 @@ class PowerEstimate:
 
     @property
     def cost_minutes(self) -> float:
-        """Duration for all participants, minutes."""
+        """Duration for all participants (min)."""
         return self.n_participants * self.minutes
 
 
@@ -82,7 +83,7 @@ class _Sum:
 
     @property
     def shares(self) -> tuple[float, float, float]:
-        """Share of significant studies, with its interval."""
+        """Share of significant studies, with its 95 % interval."""
         return self.n_significant / self.n, *share_interval(self.n_significant, self.n)
 
 
@@ -98,7 +99,7 @@ class Summary:
             self._sums[row.n_trials, row.n_participants, row.has_effect].add(row)
 
     def points(self) -> tuple[PowerEstimate, ...]:
-        """Estimates by trials and participants that have both cases."""
+        """Estimates by trials and participants, where both cases have rows."""
         keys = sorted({key[:2] for key in self._sums})
         return tuple(self._point(*key) for key in keys if all((*key, yes) in self._sums for yes in (True, False)))
 
@@ -125,9 +126,9 @@ class Summary:
 
 
 def stated_effect(design: PowerDesign) -> float | None:
-    """Return the largest stated difference between means of levels.
+    """Return the largest stated difference between level means.
 
-    None unless the dependent value has the unit of the effect.
+    Returns None unless the dependent variable has the unit of the effect.
     """
     effect = design.effect
     in_levels = design.dependent == "pse" if effect.moves_levels else design.dependent in IN_LEVELS
@@ -139,7 +140,7 @@ def stated_effect(design: PowerDesign) -> float | None:
 
 
 def recommendation(design: PowerDesign, points: Sequence[PowerEstimate]) -> str:
-    """Recommend the fastest design (over all participants) with target power."""
+    """Recommend the design with the target power and the least total time."""
     reaching = [point for point in points if point.power >= design.target]
     if not reaching:
         best = max(points, key=lambda point: point.power)
@@ -165,14 +166,14 @@ def cautions(design: PowerDesign, points: Sequence[PowerEstimate]) -> list[str]:
         worst = max(loose, key=lambda point: point.false_positives)
         rate = _share(worst.false_positives, worst.false_positives_low, worst.false_positives_high)
         warnings.append(
-            f"without an effect the test is significant too often ({rate} with {_words(worst)}): its power is not to "
-            "be trusted there"
+            f"without an effect the test is significant too often ({rate} with {_words(worst)}): do not rely on its "
+            "power there"
         )
     untested = max(points, key=lambda point: point.untested_share)
     if untested.untested_share > 0:
         warnings.append(
-            f"no test had an answer in {untested.untested_share:.0%} of the studies with {_words(untested)}; each "
-            "counts as one that found nothing"
+            f"no test had a result in {untested.untested_share:.0%} of the studies with {_words(untested)}; each "
+            "counts as not significant"
         )
     lost = max(points, key=lambda point: point.unknown_share)
     if lost.unknown_share > MUCH:
@@ -184,7 +185,7 @@ def cautions(design: PowerDesign, points: Sequence[PowerEstimate]) -> list[str]:
 
 
 MUCH: Final = 0.1
-"""Larger shares of cells without a value give a warning."""
+"""Share of cells without a value above which a warning is printed."""
 
 
 def _words(point: PowerEstimate) -> str:
@@ -214,7 +215,7 @@ def table(points: Sequence[PowerEstimate]) -> str:
 
 
 def cells_of(point: PowerEstimate) -> tuple[str, ...]:
-    """Return the cells of an estimate in the order of `HEAD`."""
+    """Return the table cells of an estimate, in the order of `HEAD`."""
     return (
         str(point.n_trials or "study"),
         str(point.n_participants),

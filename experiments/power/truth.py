@@ -1,4 +1,4 @@
-"""True thresholds of simulated participants, for comparison with estimates."""
+"""True thresholds of simulated participants, to compare with estimates."""
 
 from collections.abc import Callable, Iterator
 from functools import cache, lru_cache
@@ -22,19 +22,19 @@ from .scenario import growth, middle_of
 TRUTH = "truth"
 MOST_D_PRIME = 20.0
 Grown = Callable[[Key], tuple[float, float]]
-"""The growth of a cell."""
+"""Function that returns the growth of a cell."""
 
 
 def true_thresholds(experiment: Experiment, codes: list[str], seed: int) -> pd.DataFrame:
-    """Return the true threshold of each participant and cell (`TRUTH`).
+    """Return a table of true thresholds by participant and cell.
 
-    The table is empty if an observer does not state its thresholds. A threshold is the level at which the chance of a
-    right answer or a yes is half-way up, without lapses, at the requested touch. Sensation is extrapolated from the
-    middle of the levels.
+    The column `TRUTH` contains the thresholds. The table is empty if they are unknown. A threshold is the level at
+    which the psychometric function, without lapses and at the requested touch, is half-way between its asymptotes.
+    Sensation is extrapolated from the middle of the levels.
     """
     if experiment.table.kind not in ("yes_no", "forced_choice"):
         return pd.DataFrame()
-    grown = cache(lambda key: growth(experiment, experiment.cells[key]))  # alike for all people
+    grown = cache(lambda key: growth(experiment, experiment.cells[key]))  # the same for all participants
     rows = [row for code in codes for row in _of_person(experiment, code, seed, grown)]
     return pd.DataFrame(rows)
 
@@ -60,14 +60,14 @@ def _level(experiment: Experiment, key: Key, observer: object, feeling: Feeling,
 
 
 def _half_way_db(observer: SignalDetectionObserver, task: Task) -> float:
-    """Return the half-way sensation level, inverse of the observer's d'."""
+    """Return the half-way sensation level, by inverting the observer's d'."""
     n_intervals = getattr(task, "n_intervals", 0)
     d_prime = half_way_of_choice(n_intervals) if n_intervals else half_way_of_yes(observer.criterion + observer.bias)
     return 20 / observer.exponent * log10(d_prime / observer.criterion) - observer.sensitivity_db
 
 
 def half_way_of_yes(criterion: float) -> float:
-    """Return the d' at which a yes is half-way from false alarms to 1.
+    """Return the d' with a yes rate half-way from false alarms to 1.
 
     >>> round(half_way_of_yes(1.645), 3)
     1.708
@@ -77,7 +77,7 @@ def half_way_of_yes(criterion: float) -> float:
 
 @lru_cache(maxsize=8)
 def half_way_of_choice(n_intervals: int) -> float:
-    """Return the d' half-way from chance to 1 with m intervals.
+    """Return the d' with a correct rate half-way from chance to 1.
 
     Green and Swets (1966), chapter 2.
 

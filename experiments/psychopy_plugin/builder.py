@@ -1,13 +1,13 @@
-"""PsychoPy Builder components and a loop that generate experiment code.
+"""PsychoPy Builder components, and a loop. Both generate experiment code.
 
-They are entry points in pyproject.toml. Builder loads this module when it starts, so it imports nothing else of
-Tactometry. The generated code uses `parts`.
+The classes are entry points in pyproject.toml. Builder loads this module when it starts, so it imports no other module
+of Tactometry. The generated code uses `parts`.
 """
 
 import warnings
 from typing import Any, ClassVar
 
-with warnings.catch_warnings():  # ignore PsychoPy's warnings at import
+with warnings.catch_warnings():  # ignore warnings of PsychoPy's import
     warnings.simplefilter("ignore")
     from psychopy.experiment.components import BaseComponent, Param
     from psychopy.experiment.loops import _BaseLoopHandler
@@ -22,22 +22,22 @@ def _param(value: Any, kind: str, label: str, hint: str, entry: str = "single") 
 
 
 def _params_of_study() -> dict[str, Param]:
-    study = "A study file, or a built-in study's name: stimulus, touch, task, procedure, limits"
-    bench = "A bench file: output, force sensor, calibration. Without one nothing is played"
+    study = "Study file, or name of a built-in study. It states stimulus, touch, task, procedure and limits"
+    bench = "Bench file: output, force sensor, calibration. Without it, nothing is played"
     return {
         "study": _param("touch.toml", "str", "Study", study, "file"),
         "bench": _param("", "str", "Bench", bench, "file"),
-        "factors": _param("{}", "code", "Factors", "Cell of a study with several, such as {'frequency_hz': 120}"),
+        "factors": _param("{}", "code", "Factors", "Condition, if the study has several: {'frequency_hz': 120}"),
     }
 
 
 def _level() -> Param:
-    hint = "In the unit of the stimulus. Inside a study's loop, use level. None: a blank"
+    hint = "Level in the unit of the stimulus. Inside a study's loop, use level. None: no stimulus"
     return _param("level", "code", "Level", hint)
 
 
 class _StudyComponent(BaseComponent):  # type: ignore[misc]
-    """Component with a study and a bench; it ends by itself."""
+    """Component with a study and a bench, which ends without a set duration."""
 
     categories: ClassVar = ["Touch"]
     targets: ClassVar = ["PsychoPy"]
@@ -92,13 +92,13 @@ class GatedTouchComponent(_StudyComponent):
     The participant is guided to the target force, feels the stimulus and, with `asks`, answers the study's question.
     """
 
-    tooltip = "Gated touch: a stimulus that plays while the finger holds its force, and the study's question"
+    tooltip = "Gated touch: a stimulus that plays while the finger keeps its force, and the study's question"
     part = "TouchPart"
 
     def __init__(self, exp: Any, parentName: str, name: str = "touch", **more: Any) -> None:
         super().__init__(exp, parentName, name, **more)
         self.params["level"] = _level()
-        hint = "Ask the study's question. The answer goes to the study's loop around the routine"
+        hint = "Ask the study's question. The study's loop around the routine receives the answer"
         self.params["asks"] = _param(True, "bool", "Ask", hint, "bool")
         self.order += ["level", "asks"]
 
@@ -119,7 +119,7 @@ class GatedTouchComponent(_StudyComponent):
 class TactileStimulusComponent(_StudyComponent):
     """Stimulus that plays during a routine, whether or not a finger touches."""
 
-    tooltip = "Tactile stimulus: plays while the routine goes on, within the limits of study and bench"
+    tooltip = "Tactile stimulus: plays during the routine, within the limits of study and bench"
     part = "StimulusPart"
 
     def __init__(self, exp: Any, parentName: str, name: str = "stimulus", **more: Any) -> None:
@@ -138,12 +138,12 @@ class TactileStimulusComponent(_StudyComponent):
 class QuestionnaireComponent(_StudyComponent):
     """Questionnaire on pages of Tactometry, with one data row per item."""
 
-    tooltip = "Questionnaire: AttrakDiff, NASA-TLX, SUS, questions about a person, or one of the study's own"
+    tooltip = "Questionnaire: AttrakDiff, NASA-TLX, SUS, demographics, or a custom form of the study"
     part = "FormPart"
 
     def __init__(self, exp: Any, parentName: str, name: str = "questionnaire", **more: Any) -> None:
         super().__init__(exp, parentName, name, **more)
-        hint = "attrakdiff, nasa-tlx, sus, demographics, ..., or one in the study's [forms]"
+        hint = "attrakdiff, nasa-tlx, sus, demographics, ..., or a name in the study's [forms]"
         self.params["form"] = _param("attrakdiff", "str", "Form", hint)
         self.order += ["form"]
 
@@ -167,7 +167,8 @@ thisExp.nextEntry()
 class TactometryLoop(_BaseLoopHandler):  # type: ignore[misc]
     """Loop over the levels of the study's procedure.
 
-    Builder's other components treat it as a staircase: a keyboard that stores correctness passes each answer to it.
+    Builder's other components treat the loop as a staircase. A keyboard component that stores correctness passes each
+    answer to the loop.
     """
 
     tag = "TactometryLoop"
@@ -181,12 +182,12 @@ class TactometryLoop(_BaseLoopHandler):  # type: ignore[misc]
         self.children: list[Any] = []
         self.params = {
             "name": Param(
-                name, valType="code", inputType="name", categ=None, label="Name", hint="Prefix of its columns"
+                name, valType="code", inputType="name", categ=None, label="Name", hint="Prefix of the loop's columns"
             ),
             **_params_of_study(),
             "isTrials": Param(
                 True, valType="bool", inputType="bool", updates=None, allowedUpdates=None, categ=None,
-                label="Is trials", hint="Store a row of data for each repetition",
+                label="Is trials", hint="Store a data row for each repetition",
             ),
         }  # fmt: skip
         self.order = [*self.params]

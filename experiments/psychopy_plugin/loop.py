@@ -1,4 +1,4 @@
-"""A procedure as a PsychoPy loop, with rows for its data."""
+"""PsychoPy loop over a procedure's levels, and its data rows."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -11,16 +11,16 @@ from tactometry.session.answer import Played, Touched
 
 
 class Loop:
-    """Levels until the procedure ends, repeated if they have no answer.
+    """Iterator over a procedure's levels. Repeats levels without an answer.
 
     Parameters
     ----------
     name : str
         Prefix of the loop's columns.
     procedure : Procedure
-        Procedure at its start.
+        Procedure in its initial state.
     n_attempts : int
-        Number of levels in a row without an answer that end the loop.
+        Number of successive levels without an answer after which the loop ends.
 
     Examples
     --------
@@ -42,12 +42,12 @@ class Loop:
         self._experiment: Any = None
 
     def setExp(self, experiment: Any) -> None:  # noqa: N802 - PsychoPy's name
-        """Set the experiment handler, as `ExperimentHandler.addLoop` does."""
+        """Set the experiment handler. `ExperimentHandler.addLoop` calls this."""
         self._experiment = experiment
 
     @property
     def level(self) -> float | None:
-        """Present level, None at the end."""
+        """Current level, or None at the end."""
         return None if self.finished else self.procedure.level
 
     @property
@@ -56,12 +56,12 @@ class Loop:
 
     @property
     def ending(self) -> str | None:
-        """Reason of the end, None before it."""
+        """Reason why the procedure ended, or None before its end."""
         return "aborted" if self.aborted else self.procedure.ending
 
     @property
     def threshold(self) -> float | None:
-        """Threshold that the rule estimates from its answers."""
+        """Threshold that the procedure estimates from the answers."""
         return self.procedure.threshold
 
     def __iter__(self) -> Iterator[float]:
@@ -80,12 +80,14 @@ class Loop:
         return self.procedure.level
 
     def addResponse(self, result: int | bool, intensity: float | None = None) -> None:  # noqa: N802 - PsychoPy's name
-        """Answer the present or delivered level with 1 (felt, correct) or 0.
+        """Record the answer to the current level: 1 (felt, correct) or 0.
+
+        `intensity` is the delivered level, if it differs.
 
         Raises
         ------
         InvalidParameter
-            If the procedure accepts no such answer.
+            If the procedure does not accept this answer.
         """
         self._answer(result, intensity)
         self.addOtherData("response", int(result))
@@ -104,7 +106,7 @@ class Loop:
             self._answer(outcome.success, delivered)
 
     def addOtherData(self, name: str, value: Any) -> None:  # noqa: N802 - PsychoPy's name
-        """Store a value in a column of the present row."""
+        """Store a value in a column of the current row."""
         if self._experiment is not None:
             self._experiment.addData(f"{self.name}.{name}", value)
 
@@ -116,13 +118,13 @@ OF_A_TOUCH = ("level_delivered", "force_mean_n", "force_sd_n", "force_in_band", 
 
 
 def _stated(**values: float | str | None) -> Values:
-    """Leave out unknown values, and write truth values as 1 and 0."""
+    """Return the known values, with booleans as 1 and 0."""
     known = {name: value for name, value in values.items() if value is not None}
     return {name: int(value) if isinstance(value, bool) else value for name, value in known.items()}
 
 
 def of_touch(touch: Touched) -> Values:
-    """Return the row of a touch.
+    """Return the row values of a touch.
 
     >>> of_touch(Touched(0.0, 40.0, "c0ffee", force_mean_n=0.52, valid=False, invalid_reason="timeout"))
     {'level_delivered': 40.0, 'force_mean_n': 0.52, 'valid': 0, 'invalid_reason': 'timeout'}
@@ -132,7 +134,7 @@ def of_touch(touch: Touched) -> Values:
 
 
 def of_stimulus(played: Played) -> Values:
-    """Return the row of a stimulus that played during a routine.
+    """Return the row values of a stimulus that played during a routine.
 
     >>> of_stimulus(Played(0.0, 40.0, "c0ffee"))
     {'level_delivered': 40.0, 'digest': 'c0ffee'}
@@ -141,7 +143,7 @@ def of_stimulus(played: Played) -> Values:
 
 
 def of_trial(outcome: TrialOutcome) -> Values:
-    """Return the row of a trial, with its counted touch and first answer.
+    """Return the row values of a trial: counted touch and first answer.
 
     >>> of_trial(TrialOutcome((), replies=()))
     {'valid': 0}
@@ -159,7 +161,7 @@ def of_trial(outcome: TrialOutcome) -> Values:
 
 
 def of_reply(form: Questionnaire | ChoiceForm, reply: Reply) -> dict[str, float | str | None]:
-    """Return the row of an item, with the category of a choice.
+    """Return the row values of an item, with the category of a choice.
 
     >>> from tactometry.questionnaire import load_choices
     >>> of_reply(load_choices("demographics"), Reply(None, 1.0, item="handedness"))

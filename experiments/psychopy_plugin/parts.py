@@ -1,4 +1,4 @@
-"""Objects of Builder components in an experiment."""
+"""Objects that the code of Builder components uses in an experiment."""
 
 import atexit
 from collections.abc import Mapping
@@ -17,30 +17,30 @@ Factors = Mapping[str, float | str]
 
 @cache
 def study_of(window: Any, study: str, bench: str) -> PsychoPyStudy:
-    """Return the study that components with the same files share."""
+    """Return the study, shared by components with the same files."""
     shared = PsychoPyStudy(window, study, bench or None)
     atexit.register(shared.close)
     return shared
 
 
 class StudyPart:
-    """Component with its study, its cell, and its values for the present row."""
+    """Component with its study, cell, and values for the current row."""
 
     def __init__(self, window: Any, study: str, bench: str, factors: Factors) -> None:
         self.study, self.factors = study_of(window, study, bench), dict(factors)
-        self.status: Any = None  # PsychoPy's
+        self.status: Any = None  # PsychoPy's attribute
         self.values: Values = {}
 
 
 class TouchPart(StudyPart):
-    """Touch on pages of Tactometry, with the study's question if it `asks`."""
+    """Touch on pages of Tactometry. Asks the study's question with `asks`."""
 
     def __init__(self, window: Any, study: str, bench: str, factors: Factors, *, asks: bool) -> None:
         super().__init__(window, study, bench, factors)
         self.asks, self.outcome = asks, TrialOutcome(())
 
     def run(self, level: float | None) -> bool:
-        """Run to the end; return False if Escape was pressed."""
+        """Run to the end. Returns False if Escape was pressed."""
         self.values = {}
         try:
             if self.asks:
@@ -54,7 +54,7 @@ class TouchPart(StudyPart):
 
 
 class StimulusPart(StudyPart):
-    """Stimulus that plays during a routine, `stopped` by Escape."""
+    """Stimulus that plays during a routine. `stopped` is True after Escape."""
 
     _beside: ConcurrentPlay | None = None
     stopped = False
@@ -64,7 +64,7 @@ class StimulusPart(StudyPart):
         self._beside = self.study.begin(level, **self.factors)
 
     def plays(self) -> bool:
-        """Return True in frames in which it still plays."""
+        """Return True while the stimulus plays. Call in each frame."""
         try:
             return self._beside is not None and self._beside.look()
         except Stopped:
@@ -79,10 +79,10 @@ class StimulusPart(StudyPart):
 
 
 class FormPart(StudyPart):
-    """Questionnaire on pages of Tactometry, with a row for each item."""
+    """Questionnaire on pages of Tactometry, with a data row for each item."""
 
     def run(self, name: str, experiment: Any) -> bool:
-        """Run to the end; return False if Escape was pressed."""
+        """Run to the end. Returns False if Escape was pressed."""
         try:
             self.study.questionnaire(name, experiment)
         except Stopped:

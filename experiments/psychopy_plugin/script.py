@@ -1,4 +1,4 @@
-"""Study in the window of a PsychoPy script."""
+"""Run parts of a study in the window of a PsychoPy script."""
 
 import os
 import sys
@@ -35,22 +35,22 @@ SHOWN_CELLS = 3
 
 
 class PauseTerminal(ExperimenterTerminal):
-    """Terminal that prints why a session pauses, but no trials."""
+    """Terminal that prints why a session pauses, but not its trials."""
 
     def add(self, words: str) -> None:
         del words
 
 
 class PsychoPyStudy:
-    """Study and bench in the window of a script, restored after each call.
+    """Study and bench in a script's window, which is restored after each call.
 
-    The limits of study and bench guard the output, as in a session; limits of duty count from the start.
+    The limits of study and bench apply to the output, as in a session. Duty limits count from the start of the script.
 
     Parameters
     ----------
     window : psychopy.visual.Window
     study : str or Path
-        Name of a built-in study, or a file.
+        Name of a built-in study, or path of a study file.
     bench : str or Path, optional
         Bench file. Without it, nothing is played and no force is measured.
     seed : int, optional
@@ -59,9 +59,9 @@ class PsychoPyStudy:
     Raises
     ------
     InvalidFile, InvalidParameter
-        If study or bench are invalid.
+        If the study or bench is invalid.
     DeviceFailed
-        If a device does not open.
+        If a device cannot be opened.
     """
 
     def __init__(
@@ -87,11 +87,11 @@ class PsychoPyStudy:
         self.close()
 
     def close(self) -> None:
-        """Set the output to zero and close the devices, any number of times."""
+        """Set the output to zero and close the devices. May be called again."""
         self._rig.close()
 
     def touch(self, level: float | None, **factors: float | str) -> Touched:
-        """Guide the finger through a touch of a cell; the level None is blank.
+        """Guide the finger through a touch of a cell. Level None is blank.
 
         Raises
         ------
@@ -103,19 +103,19 @@ class PsychoPyStudy:
         return self._rig.answer(self._touch_request(level, factors))
 
     def trial(self, level: float | None, **factors: float | str) -> TrialOutcome:
-        """Run a trial of the study's task. It has no answer if a touch is invalid.
+        """Run a trial of the study's task. An invalid touch gives no answer.
 
         Raises
         ------
         InvalidParameter, Stopped
-            As `touch`.
+            As for `touch`.
         """
         condition = self._cell(factors).condition
         shown = Presentation(condition.stimulus, level, condition.touch, condition.alternatives)
         return self._carry_out(self.experiment.task.trial(shown, self._rng))
 
     def begin(self, level: float | None, **factors: float | str) -> ConcurrentPlay:
-        """Begin to play, touched or not: `look` each frame, then `end`."""
+        """Start a stimulus without a gate. Call `look` in each frame, then `end`."""
         return self._rig.begin(self._play_request(level, factors))
 
     def play(self, level: float | None, **factors: float | str) -> Played:
@@ -123,16 +123,17 @@ class PsychoPyStudy:
         return self._rig.answer(self._play_request(level, factors))
 
     def questionnaire(self, name: str, experiment: Any = None) -> dict[str, float | None]:
-        """Return answers to a questionnaire by item, None for open ones.
+        """Show a questionnaire and return its answers by item (None: no answer).
 
-        Answers to questions about a person (`demographics`, or ``kind = "choices"``) are the codes of categories. In
-        PsychoPy's handler of an `experiment`, each item has a row: `NAME.item`, `NAME.response`, and `NAME.category`.
+        Answers to questions about a person (`demographics`, or ``kind = "choices"``) are the codes of categories. With
+        the `experiment` handler of PsychoPy, each item adds a row: `NAME.item`, `NAME.response` and `NAME.category`.
 
         Raises
         ------
         InvalidParameter
-            If the name is unknown, or the questionnaire has no texts in the language of the bench. Also if it requests
-            a number, which could identify a participant, and no inquiry with it has ``identifies = true``.
+            If the name is unknown, or the questionnaire has no texts in the language of the bench. Also if the
+            questionnaire requests a number, which could identify a participant, and no inquiry for it has ``identifies
+            = true``.
         """
         form = self._form(name)
         known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
@@ -147,7 +148,7 @@ class PsychoPyStudy:
         return answers
 
     def _words_in(self, language: str) -> dict[str, str]:
-        """Return the participant texts, including those of unused choice forms."""
+        """Return the texts for participants, including unused choice forms."""
         study = self.experiment.study
         forms = (choices_named(study, name) for name in (*study.forms, *shipped_choices()))
         of_choices = {name: text for form in forms if form for name, text in words_of(form, language).items()}
@@ -160,8 +161,8 @@ class PsychoPyStudy:
         if form is None:
             return form_of(study, name, "questionnaire")
         is_allowed = any(inquiry.form == name and inquiry.identifies for inquiry in study.inquiries.values())
-        cure = "an inquiry of the study that asks it and says identifies = true; or ask in bands"
-        found = f"{', '.join(form.numbers)}, which could tell who somebody is"
+        cure = "an inquiry for it with identifies = true, or questions with bands instead of numbers"
+        found = f"{', '.join(form.numbers)}, which could identify a participant"
         expect(is_allowed or not form.numbers, f"questionnaire {name}", found, cure)
         return form
 
@@ -171,16 +172,16 @@ class PsychoPyStudy:
         return self._carry_out(fill_in(form, self._rng, shuffled=False))
 
     def procedure(self, **factors: float | str) -> Procedure:
-        """Return the study's procedure at its start, as an immutable value."""
+        """Return the study's procedure in its initial state. It is immutable."""
         [procedure] = self._cell(factors).procedure.for_tracks([""], self._rng)
         return procedure
 
     def loop(self, name: str, **factors: float | str) -> Loop:
-        """Return the study's procedure as a PsychoPy loop of this name."""
+        """Return the study's procedure as a PsychoPy loop with this name."""
         return Loop(name, self.procedure(**factors), self.experiment.table.options.n_attempts)
 
     def _carry_out(self, course: Course[T]) -> T:
-        """Carry out a request; the script records it."""
+        """Carry out requests and return the result. The script records it."""
         answer: Any = None
         while True:
             try:
@@ -193,7 +194,7 @@ class PsychoPyStudy:
     def _touch_request(self, level: float | None, factors: dict[str, float | str]) -> Press | Slide:
         condition = self._cell(factors).condition
         request = condition.touch.request(condition.stimulus, level, None)
-        assert not isinstance(request, Play)  # no study has one
+        assert not isinstance(request, Play)  # a study's touch is never without a gate
         return request
 
     def _play_request(self, level: float | None, factors: dict[str, float | str]) -> Play:
@@ -205,6 +206,6 @@ class PsychoPyStudy:
         key = key_of(factors) if factors or len(cells) > 1 else next(iter(cells))
         named = [", ".join(f"{name} = {cell_text(level)}" for name, level in of_cell) for of_cell in [key, *cells]]
         more = "" if len(cells) <= SHOWN_CELLS else f", ... ({len(cells)} cells)"
-        expected = f"those of a cell: {'; '.join(named[1 : SHOWN_CELLS + 1])}{more}"
+        expected = f"the factors of a cell: {'; '.join(named[1 : SHOWN_CELLS + 1])}{more}"
         expect(key in cells, "factors", named[0] or "none", expected)
         return cells[key]

@@ -1,1 +1,1 @@
-"""Reference of all file keys, from the classes that read them."""
+"""Reference of the keys in all files, generated from their classes."""

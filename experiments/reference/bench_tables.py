@@ -1,4 +1,4 @@
-"""Tables of a bench file."""
+"""Reference tables of a bench file."""
 
 from collections.abc import Iterator, Mapping
 from datetime import date
@@ -39,7 +39,7 @@ _PIEZO: Final[Values] = {"kind": "piezo", "capacitance_f": 5e-9, "displacement_m
 
 
 def bench_tables() -> Iterator[KeyTable]:
-    """Yield the tables of a bench file, in the order of its parts."""
+    """Yield the reference tables of a bench file, in the order of its parts."""
     parts = "tactometry.experiments.bench.bench_parts"
     yield KeyTable("bench", "", "tactometry.experiments.bench.bench_file:BenchFile")
     yield KeyTable("bench.screen", "[screen]", f"{parts}:DisplayTable", samples={"height_m": 0.298})

@@ -1,6 +1,6 @@
-"""Keys of a table with default, range and meaning, from the class that reads it.
+"""Keys of a table with default, range and meaning, derived from its class.
 
-Ranges are read from the errors of the class for invalid values, because many depend on other keys.
+Ranges are parsed from the errors that the class raises for invalid values, because many depend on other keys.
 """
 
 import dataclasses
@@ -22,33 +22,33 @@ from tactometry.errors import TactometryError
 from .tables import KeyTable, inner_name, toml_value
 
 WHERE = "table"
-"""Path of a table that is built with an invalid value."""
+"""Name in errors of a table that is built with an invalid value."""
 PROBES: Mapping[type, tuple[object, ...]] = {
     float: (-1.0, math.nan, 0.0, 1e4),
     int: (-(10**9), 0, 10**7),
     str: ("?",),
 }
-"""Values of each type that are likely to be refused: below, missing, at the edge, above."""
+"""Values of each type that are likely to be invalid: below, missing, at the edge, above."""
 OF_EXAMPLE = (
-    (r" \([^()]*\)", ""),  # a remark, or the value of another key
+    (r" \([^()]*\)", ""),  # a comment, or the value of another key
     (r"[:;].*", ""),
-    (r', or "unlimited"$', ""),  # stated in the column of types
+    (r', or "unlimited"$', ""),  # already stated in the column of types
     (r"^one of index, middle$", "the places"),
-    (r"-?[\d.e+]+, (?=[a-z]+(_[a-z]+)+$)", ""),  # the value of the key that follows
+    (r"-?[\d.e+]+, (?=[a-z]+(_[a-z]+)+$)", ""),  # the value of the key named after it
     (r" of -?[\d.e+]+ (s|m)\b", ""),
     (r"^at most [\d.]+ s for biphasic pulses at [\d.]+ Hz$", "at most half of the period if biphasic"),
     (r"from (\S+) to inf$", r"at least \1"),
     (r"^(a finite number|a number|a whole number|a level|numbers?)(, | |$)", ""),
 )
-"""Parts of an error that state other values or the type."""
+"""Parts of an error to replace, because they state the type or values of the example."""
 
 
 @dataclass(frozen=True)
 class Key:
-    """Key of a table, with type, unit and range.
+    """Key of a table, with its type, unit and range.
 
-    `otherwise` is the default, empty for a required key. `example` is a value in TOML, empty for an inner table, whose
-    keys are those of the table `see`.
+    `otherwise` is the default, or empty for a required key. `example` is a value in TOML, or empty for an inner table,
+    whose keys are listed in the table `see`.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Key:
 
 
 def keys_of(table: KeyTable) -> tuple[Key, ...]:
-    """Return a table's keys: its kind, required keys, optional keys.
+    """Return a table's keys in the order: kind, required keys, optional keys.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> [(key.name, key.within, key.otherwise) for key in keys_of(tables()["task.forced_choice"])]
@@ -86,8 +86,8 @@ def _kind(table: KeyTable) -> Key:
 
 
 def _of_kinds(table: KeyTable, name: str) -> Key:
-    """Return a key that contains a table of one of several kinds."""
-    kinds = f"its `kind` one of {', '.join(table.kinds[name])}"
+    """Return a key whose value is a table of one of several kinds."""
+    kinds = f"`kind` is one of {', '.join(table.kinds[name])}"
     means = meanings(table.reader).get(name, "")
     return Key(name, "a table", "", kinds, "", means, toml_value(table.shown[name]), name)
 
@@ -106,7 +106,7 @@ def _key(table: KeyTable, one: dataclasses.Field[Any], hint: Any) -> Key:
 
 
 def _example(table: KeyTable, one: dataclasses.Field[Any]) -> str:
-    """Return an example value of a key, empty for an inner table."""
+    """Return an example value of a key, or an empty text for an inner table."""
     for values in (table.shown, table.instead.get(one.name, {}), table.samples):
         if one.name in values:
             return toml_value(values[one.name])
@@ -120,7 +120,7 @@ def _parts(hint: Any) -> tuple[Any, ...]:
 
 
 def _classes(hint: Any) -> tuple[type, ...]:
-    """Return the dataclasses that a key holds, alone or in a container."""
+    """Return the dataclasses in a key's type, alone or in a container."""
     inner = [each for part in _parts(hint) for each in (part, *typing.get_args(part))]
     return tuple(each for each in inner if isinstance(each, type) and dataclasses.is_dataclass(each))
 
@@ -130,7 +130,7 @@ def _in_python_only(hint: Any) -> bool:
 
 
 def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
-    """Yield what the class expects instead of the probes, each once."""
+    """Yield the distinct expectations in errors of the class for the probes."""
     said: list[str] = []
     for probe in (probe for kind in _parts(hint) for probe in _probes(kind)):
         expected = _expectation(table, name, probe)
@@ -140,7 +140,7 @@ def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
 
 
 def _probes(part: Any) -> tuple[object, ...]:
-    """Return values of the right type that are likely to be refused."""
+    """Return values of the right type that are likely to be invalid."""
     origin, inner = typing.get_origin(part), typing.get_args(part)
     if origin is tuple:
         return ([], *([probe] for probe in PROBES.get(inner[0], ())))
@@ -148,7 +148,7 @@ def _probes(part: Any) -> tuple[object, ...]:
 
 
 def _expectation(table: KeyTable, name: str, probe: object) -> str:
-    """Return what the class expects instead of a probe; empty if accepted."""
+    """Return the expectation in the error for a probe, empty if it is valid."""
     try:
         table.read({**table.instead.get(name, table.shown), name: probe}, WHERE)
     except TactometryError as error:
@@ -173,7 +173,7 @@ def _default(one: dataclasses.Field[Any]) -> object:
 
 
 def _otherwise(one: dataclasses.Field[Any]) -> str:
-    """Return a key's default as a file would write it."""
+    """Return a key's default in TOML."""
     if is_required(one):
         return ""
     value = _default(one)
@@ -190,9 +190,9 @@ _AS_IN: Final = re.compile(r"^As in `(?:([\w.]+)\.)?(\w+)`")
 
 @cache
 def meanings(kind: type) -> Mapping[str, str]:
-    """Return the meaning of each key from the docstring of a class or base.
+    """Return the meaning of each key, from docstrings of class and bases.
 
-    A class with one key describes it in its first paragraph.
+    If a class has a single key, its first paragraph describes that key.
 
     >>> from tactometry.observers.changes import SlowLearning
     >>> meanings(SlowLearning)["gain_db"]
@@ -225,7 +225,7 @@ def _parameters(kind: type) -> dict[str, str]:
 
 
 def _followed(kind: type, name: str, text: str) -> str:
-    """Replace ``As in `Other``` at the beginning by the other's text."""
+    """Replace ``As in `Other``` at the beginning by the text of `Other`."""
     named = _AS_IN.match(text)
     other = _named_by(kind, named[1], named[2]) if named else None
     if named is None or other is None or name not in meanings(other):
@@ -240,7 +240,7 @@ def _named_by(kind: type, module: str | None, name: str) -> type | None:
 
 
 def heading(table: KeyTable) -> str:
-    """Return a table's place in a file and its description.
+    """Return a table's location in a file, and its description.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> heading(tables()["touch.press"])
@@ -252,7 +252,7 @@ def heading(table: KeyTable) -> str:
 
 
 def holds(key: Key) -> str:
-    """Return type, unit and range of a key.
+    """Return a key's type, unit and range as text.
 
     >>> holds(Key("force_n", "a number", "N", "above 0", ""))
     'a number, N, above 0'
@@ -261,9 +261,9 @@ def holds(key: Key) -> str:
 
 
 def block(table: KeyTable) -> str:
-    """Return a table in TOML, with optional keys as comments.
+    """Return an example table in TOML, with optional keys as comments.
 
-    Inner tables of a file without header follow.
+    For a file without a header, its inner tables follow.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> print(block(tables()["touch.press"]), end="")
@@ -278,7 +278,7 @@ def block(table: KeyTable) -> str:
 
 
 def example(table: KeyTable) -> str:
-    """Return the table with the keys that an example needs.
+    """Return an example table in TOML with its required keys.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> print(example(tables()["limits"]), end="")
@@ -286,11 +286,11 @@ def example(table: KeyTable) -> str:
     voltage_peak_v = 200.0
     """
     stated, others = _stated_and_others(table)
-    return _written(table, stated or others[:1])  # one optional key shows how the table is written
+    return _written(table, stated or others[:1])  # one optional key shows the form of the table
 
 
 def _stated_and_others(table: KeyTable) -> tuple[list[Key], list[Key]]:
-    """Split the keys with an example into required or shown ones, and others."""
+    """Split the keys that have an example into shown ones and others."""
     keys = [key for key in keys_of(table) if key.example]
     stated = [key for key in keys if key.required or key.name in table.shown]
     return stated, [key for key in keys if key not in stated]

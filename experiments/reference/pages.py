@@ -1,4 +1,4 @@
-"""Tables of keys in the docs, and the command that writes them and the page of sources.
+"""Tables of keys in the documentation, and the command that writes them and the page of sources.
 
 `python -m tactometry.experiments.reference.pages` (`make keys`) writes them.
 """
@@ -20,13 +20,13 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 FOLDER: Final = ROOT / "docs" / "reference"
 HEAD: Final = ("| key | holds | if left out | meaning |", "|---|---|---|---|")
 FEWEST_SHARED: Final = 2
-"""From this number of rows equal to those of an earlier table on, a link replaces them."""
+"""Smallest number of rows equal to those of an earlier table that a link replaces."""
 Shown = dict[str, str]
-"""Rows of a page with the first table of each."""
+"""Rows of a page, with the first table that contains each."""
 
 
 def with_tables(text: str, page: str) -> str:
-    """Return the text of a page with new tables between the marks."""
+    """Return the text of a page, with updated tables between the marks."""
     before, _, rest = text.partition(BEGIN)
     _, _, after = rest.partition(END)
     shown: Shown = {}
@@ -49,7 +49,7 @@ def _names(alike: Iterable[KeyTable]) -> str:
 
 
 def _slug(heading: str) -> str:
-    """Return the anchor of a heading, as the site and repository hosts do.
+    """Return the anchor of a heading, as on the website and on GitHub.
 
     >>> _slug("`touch.slide`, `touch.press`")
     'touchslide-touchpress'
@@ -64,19 +64,19 @@ def _sections(page: str) -> list[list[KeyTable]]:
 
 @cache
 def _places() -> Mapping[str, tuple[str, str]]:
-    """Return the page and anchor of each table."""
+    """Return the page and anchor of each table by its name."""
     return {table.name: (page, _slug(_names(alike))) for page in PAGES for alike in _sections(page) for table in alike}
 
 
 def _link(name: str, page: str) -> str:
-    """Return a link from a page to a table, or to the first below a name."""
+    """Return a link from a page to a table, or to the first one below a name."""
     places = _places()
     other, anchor = places.get(name) or next(places[each] for each in places if each.startswith(f"{name}."))
     return f"[`{name}`]({'' if other == page else f'{other}.md'}#{anchor})"
 
 
 def _section(alike: list[KeyTable], page: str, shown: Shown) -> str:
-    """Return the section of one class: names, place, keys, and an example."""
+    """Return the section of one class: names, location, keys, and an example."""
     table = alike[0]
     place = f"In `{table.header}`." if table.header else "At the top of the file."
     also = " and ".join(_link(name, page) for name in table.also)
@@ -102,7 +102,7 @@ def _shared(earlier: str, names: list[str], page: str) -> str:
 
 
 def _row(key: Key, alike: list[KeyTable], page: str) -> str:
-    """Return the row of a key, whose kinds are listed if there are several."""
+    """Return the row of a key. Lists the kinds if there are several."""
     kinds = f"a text, one of {', '.join(table.kind for table in alike)}"
     held = kinds if key.name == "kind" and len(alike) > 1 else holds(key)
     means = "Which kind it is." if key.name == "kind" else key.means

@@ -1,4 +1,4 @@
-"""Tables of people, questionnaires and column maps, in a study or in files of their own."""
+"""Reference tables of participants, questionnaires and column maps."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Final
@@ -12,7 +12,7 @@ from .tables import KeyTable, Values
 
 _SKIN: Final = "tactometry.stimuli.electrovibration"
 _OF_SETUP: Final = ("focus", "measured_focus", "foci", "hybrid")
-"""A kind of stimulus for each model of sensation on a screen."""
+"""Stimulus kinds, one for each sensation model of a screen."""
 _SENSATION: Final[Values] = {
     "finger_x_m": 0.1, "finger_y_m": 0.1, "reference_force_n": 0.05, "polarity": {"positive_share": 0.5}, "x_m": 0.1,
     "y_m": 0.1,
@@ -27,7 +27,7 @@ _OF_RATERS: Final[Values] = {"loadings": {"PQ1": 0.5}, "effects": {"wave": {"P1"
 
 
 def people_tables() -> Iterator[KeyTable]:
-    """Yield the tables of sensation, observer and finger."""
+    """Yield the reference tables of sensation, observer and finger."""
     yield KeyTable("sensation", "[sensation]", ELECTROVIBRATION, samples=_SENSATION)
     layer = {"thickness_m": 5e-3}
     yield KeyTable("sensation.skin", "[sensation.skin]", f"{_SKIN}.skin.skin:Skin", samples={"tissue": layer})
@@ -106,7 +106,7 @@ _NUMBER: Final[Values] = {**_QUESTION, "low": 18.0, "high": 99.0}
 
 
 def form_tables() -> Iterator[KeyTable]:
-    """Yield the tables of inquiries and their forms."""
+    """Yield the reference tables of inquiries and their forms."""
     inquiry, prompt = "tactometry.experiments.study.study:InquiryTable", {"prompt": "The sheet was ..."}
     yield KeyTable("inquiries", "[inquiries.NAME]", inquiry, example={"form": "sus"}, samples=prompt)
     read, named, forms = "tactometry.questionnaire", _named("own"), "forms.NAME"
@@ -146,5 +146,5 @@ _SAMPLES: Final[Values] = {
 
 
 def map_tables() -> Iterator[KeyTable]:
-    """Yield the table of a column map, whose keys the lab chooses."""
+    """Yield the reference table of a column map. Users choose its keys."""
     yield KeyTable("map", "", "tactometry.analysis.reading.column_map:ColumnMap", samples=_SAMPLES)

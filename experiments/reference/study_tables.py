@@ -1,4 +1,4 @@
-"""Tables of study, scene and plate files."""
+"""Reference tables of study, scene and plate files."""
 
 from collections.abc import Callable, Iterator, Mapping
 from operator import methodcaller
@@ -29,11 +29,11 @@ IN_LEVELS: Final = (
     "start", "steps", "steps_up", "steps_down", "step", "low", "high", "levels", "start_sd", "sd_stop", "decade",
     "width_low", "width_high", "threshold_low", "threshold_high", "sd_low", "sd_high", "standard_level",
 )  # fmt: skip
-"""Keys of tasks and procedures in the unit of the level."""
+"""Keys of tasks and procedures whose unit is that of the level."""
 DIGEST: Final = "0" * 64
 GREY: Final = b"0.0,1.0,0.2\n"
 DIGEST_OF_GREY: Final = "1616722295ff490c80645639722a0ae30a51486425741b5a399a407d6130d750"
-"""File of grey levels, and its digest."""
+"""Content of a file of grey levels, and its digest."""
 PLACES: Final[Values] = {"index": {"x_m": 0.10}, "middle": {"x_m": 0.13}}
 _OF_STUDY: Final[Values] = {
     "counterbalance": ["frequency_hz"],
@@ -93,7 +93,7 @@ _PLACED: Final = "tactometry.stimuli.time_reversal.stimulus"
 
 
 def study_tables() -> Iterator[KeyTable]:
-    """Yield the tables of a study file except questionnaires and observers."""
+    """Yield reference tables of a study, except observers and questionnaires."""
     read = "tactometry.experiments.study"
     study = f"{read}.study:Study"
     yield KeyTable("study", "", study, example=STUDY, samples=_OF_STUDY, instead={"nested": _NESTED})
@@ -120,20 +120,20 @@ def study_tables() -> Iterator[KeyTable]:
 
 
 def procedure_tables() -> Iterator[KeyTable]:
-    """Yield the table `[procedure]` of each kind."""
+    """Yield the reference table `[procedure]` of each kind."""
     yield from (_procedure(kind, known) for kind, known in PROCEDURES.items())
     shared = "tactometry.experiments.study.procedure_table:TracksTable"
     yield KeyTable("procedure", "[procedure]", shared, samples={"easy_level": 40.0})
 
 
 def limits(name: str, header: str) -> KeyTable:
-    """Yield the limits of a study or a bench."""
+    """Yield the reference table of limits, in a study or bench."""
     example = {"voltage_peak_v": 200.0}
     return KeyTable(name, header, "tactometry.safety.limits:Limits", example=example, samples=_OF_LIMITS)
 
 
 def analysis_tables(name: str, header: str) -> Iterator[KeyTable]:
-    """Yield the tables of an analysis plan in a study or a separate file."""
+    """Yield the reference tables of an analysis plan."""
     samples = {"equivalence": {"force_n": 1.0}, "primary": "anova"}
     yield KeyTable(name, header, "tactometry.analysis.plan:AnalysisPlan", samples=samples)
     inner = "[exclusion]" if not header else f"{header[:-1]}.exclusion]"
@@ -157,7 +157,7 @@ def _stimulus(kind: str, known: StimulusKind) -> KeyTable:
 
 
 def _surfaces() -> Iterator[KeyTable]:
-    """Yield the tables of `[scene.surface]` in a study."""
+    """Yield the reference tables of `[scene.surface]` in a study."""
     header, surfaces = "[scene.surface]", "tactometry.stimuli.scenes.surfaces"
     finger = {"finger_x_m": 0.1, "finger_y_m": 0.1}
     plate, fingers = f"{surfaces}.played_plates:PlayedTimeReversal", f"{surfaces}.played_plates:PlayedFingers"
@@ -170,7 +170,7 @@ def _surfaces() -> Iterator[KeyTable]:
 
 
 def stimulus_gives(*names: str) -> Callable[[], Values]:
-    """Return a function that supplies values known from the stimulus."""
+    """Return a function that supplies fields set by the stimulus."""
 
     def made() -> Values:
         known: dict[str, Any] = {
@@ -183,7 +183,7 @@ def stimulus_gives(*names: str) -> Callable[[], Values]:
 
 
 def _textures() -> Iterator[KeyTable]:
-    """Yield the tables of textures within `[stimulus]`."""
+    """Yield the reference tables of textures in `[stimulus]`."""
     for kind, texture in TEXTURES.items():
         name, header = f"texture.{kind}", "[stimulus.texture]"
         from_file = {"pixel_m": 1e-3, "path": "grey.csv", "sha256": DIGEST_OF_GREY}
@@ -262,7 +262,7 @@ _PLATE: Final[Values] = {
 
 
 def scene_tables() -> Iterator[KeyTable]:
-    """Yield the tables of a scene file, its surface, fingers and effects."""
+    """Yield reference tables of a scene file: surface, fingers and effects."""
     composed = "tactometry.stimuli.composition.effect:FingerContact"
     place = {"x_m": 0.1, "y_m": 0.1}
     read = "tactometry.stimuli.scenes.file:SceneTables"
@@ -279,7 +279,7 @@ def _effect(kind: str, target: str) -> KeyTable:
 
 
 def plate_tables() -> Iterator[KeyTable]:
-    """Yield the tables of a plate file."""
+    """Yield the reference tables of a plate file."""
     plate = "tactometry.stimuli.time_reversal.plate"
     yield KeyTable("plate", "", f"{plate}.plate:Plate", example=_PLATE, also=("plate.glass",))
     yield KeyTable("plate.glass", "", f"{plate}.glass:NamedGlass", example={"glass": "Borofloat 33"})

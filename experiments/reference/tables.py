@@ -1,4 +1,4 @@
-"""Tables of all user files, by name and docs page."""
+"""Reference tables of all user files, by name and documentation page."""
 
 import json
 import re
@@ -19,38 +19,38 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class KeyTable:
-    """Table of a file, whose class is imported only when needed.
+    """Reference table of a user file. Its class is imported only when needed.
 
     Parameters
     ----------
     name : str
         Name for `tactometry keys`, such as ``touch.slide``.
     header : str
-        Header in the file, such as ``[touch]``; empty at the top of the file.
+        Header in the file, such as ``[touch]``. Empty for the top of the file.
     reads : str
-        Target string of the class that reads it.
+        Import target of the class that reads the table.
     kind : str
-        Value of its key ``kind``, if any.
+        Value of the table's key ``kind``, if any.
     usual : bool
         True if ``kind`` is optional.
     note : str
         Addition to the description of the class.
     example : mapping or str
-        Valid table with its required keys, or the target string of one.
+        Valid table with the required keys, or the import target of such a table.
     samples : mapping
-        Values of keys that are in no example and have no default.
+        Example values of keys that have no default and are not in `example`.
     instead : mapping of str to mapping
-        Another example for a key that contradicts the first.
+        Separate examples for keys that contradict `example`.
     also : tuple of str
-        Tables whose keys are allowed too.
+        Names of tables whose keys are also allowed.
     given : callable
-        Fields that come from elsewhere.
+        Returns fields that the file does not state.
     made : callable
-        Builds the final object, which may refuse more.
+        Builds the final object, which may check more.
     in_levels : tuple of str
-        Keys in the unit of the level.
+        Keys whose unit is that of the level.
     kinds : mapping of str to mapping of str to str
-        Keys with a table of one of these kinds, each with the target string of its class.
+        Keys whose value is a table of one of these kinds, with the import target of each class.
     """
 
     name: str
@@ -76,12 +76,12 @@ class KeyTable:
 
     @property
     def shown(self) -> Values:
-        """The values of the example."""
+        """Values of the example."""
         found: Values = resolve(self.example) if isinstance(self.example, str) else self.example
         return found
 
     def read(self, values: Values, path: str) -> object:
-        """Build the object of a table; an error begins with `path`."""
+        """Build the object of a table. An error begins with `path`."""
         parts = {name: build_kind(values.get(name, {}), f"{path}.{name}", kinds) for name, kinds in self.kinds.items()}
         own = {name: value for name, value in values.items() if name not in parts}
         return self.made(build(self.reader, own, path, **self.given(), **parts))
@@ -99,11 +99,11 @@ PAGES: Final[Mapping[str, tuple[str, ...]]] = {
     "scenes": (f"{_HERE}.study_tables:scene_tables", f"{_HERE}.study_tables:plate_tables"),
     "maps": (f"{_HERE}.people_tables:map_tables",),
 }
-"""Functions that yield the tables of each docs page."""
+"""Import targets of functions that yield the tables of each documentation page."""
 
 
 def tables_of_page(page: str) -> Iterator[KeyTable]:
-    """Return the tables of a page, in its order."""
+    """Return the tables of a page, in their order."""
     makers: list[Callable[[], Iterator[KeyTable]]] = [resolve(target) for target in PAGES[page]]
     return chain.from_iterable(make() for make in makers)
 
@@ -133,12 +133,12 @@ def find(name: str) -> tuple[KeyTable, ...]:
     if below:
         return below
     near = _nearest(name)
-    expected = f"one of {', '.join(near)}" if near else "a name that tactometry keys lists"
+    expected = f"one of {', '.join(near)}" if near else "a name listed by tactometry keys"
     raise InvalidParameter(f"NAME: found {name!r}, expected {expected}")
 
 
 def inner_name(table: KeyTable, key: str, classes: Collection[type] = ()) -> str:
-    """Return the names of the tables within a key, empty if there is none.
+    """Return the name of the table or group for a key, or an empty text.
 
     >>> inner_name(tables()["study"], "touch"), inner_name(tables()["bench"], "force")
     ('touch', 'bench.force')
@@ -150,7 +150,7 @@ def inner_name(table: KeyTable, key: str, classes: Collection[type] = ()) -> str
 
 
 def name_of(kind: type) -> str:
-    """Return the name of the table that a class reads alone, or empty.
+    """Return the first table that a class reads, or an empty text.
 
     >>> from tactometry.safety.limits import Limits
     >>> name_of(Limits)
@@ -164,7 +164,7 @@ def name_of(kind: type) -> str:
 
 
 def name_at(kind: type | None, path: str) -> str:
-    """Return the table of a class, else of the path of a key, or empty.
+    """Return the table of a class, else of a key's path, or empty.
 
     >>> name_at(None, "s.toml, task.over"), name_at(None, "s.toml, mood")
     ('task', '')
@@ -179,14 +179,14 @@ def _is_known(name: str) -> bool:
 
 
 def _nearest(name: str) -> list[str]:
-    """Return similar names, then names that contain its last word."""
+    """Return similar names, then names that contain the last part of the name."""
     last = name.rpartition(".")[2]
     close = get_close_matches(name[:100], tables(), n=3)
     return list(dict.fromkeys([*close, *(each for each in tables() if last and last in each)]))[:6]
 
 
 def toml_value(value: object) -> str:
-    """Format a value on one line.
+    """Format a value as TOML on one line.
 
     >>> toml_value(True), toml_value(0.05), toml_value("a"), toml_value([1, 2])
     ('true', '0.05', '"a"', '[1, 2]')

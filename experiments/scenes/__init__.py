@@ -18,7 +18,7 @@ def names() -> list[str]:
 
 
 def path_of(scene: str) -> Path:
-    """Return the file of a scene, or raise `InvalidParameter`."""
+    """Return the file of a scene name or path. Raises `InvalidParameter`."""
     if scene in names():
         return FOLDER / f"{scene}.toml"
     hint = nearest(scene, names())

@@ -1,1 +1,1 @@
-"""Recorded sessions on any rig, and many simulated sessions."""
+"""Record sessions on any rig, and simulate many sessions."""

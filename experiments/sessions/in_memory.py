@@ -27,11 +27,11 @@ from .simulation import Simulation
 
 NUMERIC: Final = frozenset((*NUMBERS, *COUNTS, *FLAGS))
 NOWHERE: Final = Path("simulated in memory")
-"""Printed instead of the folder of a data set."""
+"""Placeholder for the folder of a data set in messages."""
 
 
 class Collector:
-    """Keeper that collects a session's trials in memory only."""
+    """Keeper that stores a session's trials only in memory."""
 
     def __init__(self) -> None:
         self.trials: list[Trial] = []
@@ -62,7 +62,7 @@ def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
 
 
 def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
-    """Simulate sessions in memory as a recorded data set would be read.
+    """Simulate sessions in memory, and return them like a read data set.
 
     >>> from ..study.experiment import wire
     >>> from ..study.study_file import load
@@ -74,7 +74,7 @@ def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
 
 
 def trials_of(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Trials:
-    """Simulate all sessions as `simulated_trials`, on several processes.
+    """Simulate all sessions like `simulated_trials`, on several processes.
 
     The result does not depend on where it is computed.
 
@@ -92,14 +92,14 @@ def _table_of(simulation: Simulation, who: Who) -> tuple[Path, pd.DataFrame]:
 
 
 def _table(experiment: Experiment, who: Who) -> tuple[Path, pd.DataFrame]:
-    """Return the trials file of a session and its cells."""
+    """Simulate a session, and return its file name and table."""
     session = Session(who.participant, who.session, experiment.study.name)
     columns = experiment.design(b"").columns
     return session.trials(NOWHERE), _cells(simulated_session(experiment, who), session, columns)
 
 
 def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> pd.DataFrame:
-    """Return the trials file of a session as it would be read."""
+    """Return the table that reading the session's trials file would give."""
     known = [values_of(trial, session, SIMULATED) for trial in trials]
     by_name = {column.name: [values.get(column.name) for values in known] for column in columns}
     table = pd.DataFrame({name: _column(name, values) for name, values in by_name.items()})
@@ -107,9 +107,9 @@ def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column])
 
 
 def _column(name: str, values: Sequence[Value]) -> Any:
-    """Return the numbers of a numeric column, else the text of its cells."""
+    """Return a numeric column as numbers, other columns as text."""
     if name in NUMERIC and all(value is None or isinstance(value, int | float) for value in values):
         numbers = np.array(values, dtype=np.float64)  # None becomes NaN
         if np.isfinite(numbers).sum() == len(values) - values.count(None):
-            return numbers + 0.0  # a cell has no negative zero
+            return numbers + 0.0  # negative zeros become 0, as in a file
     return pd.array([cell(value) for value in values], dtype=TEXT)

@@ -1,4 +1,4 @@
-"""One session recorded from start to end, or resumed, on any rig."""
+"""Record one session from start to end, or resume it, on any rig."""
 
 import secrets
 from collections.abc import Callable
@@ -26,7 +26,7 @@ from ..study.rehearsal import flaw
 
 @dataclass(frozen=True)
 class Who:
-    """Participant of a session; the seed None means new or recorded."""
+    """Participant of a session. Seed None: drawn, or recorded before."""
 
     participant: str
     session: int = 1
@@ -35,7 +35,7 @@ class Who:
 
     @property
     def counterbalancing_number(self) -> int:
-        """The given number, else the trailing digits of the code.
+        """The given number, or else the trailing digits of the participant code.
 
         >>> Who("P017").counterbalancing_number
         17
@@ -46,14 +46,14 @@ class Who:
             upto = f" to {LARGEST_NUMBER}" if number is not None and number > 1 else ""
             raise InvalidParameter(
                 f"participant {self.participant!r}: found no number from 1{upto} for counterbalancing, expected a code "
-                "that ends with one, such as P01; or give --number"
+                "that ends with one, such as P01; or state --number"
             )
         return number
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """Result of a sitting, with counts of trials in all and before it."""
+    """Result of a sitting, with numbers of trials overall and before it."""
 
     trials: Path
     tally: Tally
@@ -67,21 +67,21 @@ class Recorded:
 
     @property
     def practice_missed(self) -> bool:
-        """True if the practice ended without meeting its criterion."""
+        """True if the practice ended and its criterion was not met."""
         return any(track.missed_practice for track in self.tracks)
 
     @property
     def endings(self) -> dict[str, int]:
-        """Number of procedures by ending."""
+        """Number of procedures for each ending."""
         endings = [track.ending for track in self.tracks]
         return {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
 
 
 @dataclass(frozen=True)
 class RigKind:
-    """Factory of a rig, and ground truth of a simulated participant.
+    """Factory of a rig, with the ground truth of a simulated participant.
 
-    `simulated_time` rigs leave no time stamp, so that the same seed gives the same bytes.
+    Rigs with `simulated_time` record no time stamps, so that the same seed gives the same bytes.
     """
 
     name: str
@@ -91,7 +91,7 @@ class RigKind:
 
 
 def simulated(experiment: Experiment, who: Who) -> RigKind:
-    """Return the simulated rig of this participant."""
+    """Return the kind of rig that simulates this participant."""
     return RigKind(
         "simulated",
         lambda seed, log: experiment.simulated_rig(who.participant, who.session, seed),
@@ -111,14 +111,14 @@ def record(
     allow_erased: bool = False,
     tell: Callable[[str], None] = lambda sentence: None,
 ) -> Recorded:
-    """Record a session, or the rest of it.
+    """Record a session, or its remaining part.
 
     `tell` receives messages for the experimenter before the session begins.
 
     Raises
     ------
     InvalidFile
-        If the session is recorded already and `resume` is not given, or `root` holds another study.
+        If the session is already recorded and `resume` is False, or `root` contains another study.
     InvalidParameter
         If the seed or number differs from the recorded one, or the participant was erased without `allow_erased`.
     """
@@ -129,10 +129,10 @@ def record(
     if flawed:
         tell(flawed)
     withdrawal = Withdrawal(root, session)
-    # The session is locked before any device opens, and closed after the last of them, whatever fails between.
+    # The session is locked before any device opens, and closed after all devices, even after errors.
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
-        refuse_erased(root, [who.participant], allowed=allow_erased)  # erased before the session was locked
+        refuse_erased(root, [who.participant], allowed=allow_erased)  # may have been erased before the lock
         if resume and keeper.journal.head is None:
             tell(f"--resume: {root} contains no session {who.session} of {who.participant} to resume; it begins now")
         seed, n_resumed = _session_seed(keeper.journal.head, who, kind), keeper.tally.n_trials
@@ -150,21 +150,21 @@ def record(
 
 
 def _made(kind: RigKind, seed: int, keeper: OpenSession, withdrawal: Withdrawal) -> Rig:
-    """Open the rig. A session whose rig cannot open leaves no data set."""
+    """Open the rig. If it cannot open, the new session is removed."""
     try:
         return kind.make(seed, keeper)
     except BaseException:
-        withdrawal.undo()  # before the journal is closed, while no other process can begin this session
+        withdrawal.undo()  # undone before the journal is closed, while no other process can begin this session
         raise
 
 
 def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:
     """Write the head of a sitting, and report changes since the last one."""
     if keeper.journal.recording.complete:
-        return  # a completed session begins no sitting
+        return  # a completed session has no further sitting
     changed = [phrase for last in keeper.journal.recording.sittings[-1:] for phrase in differences(last, head)]
     if changed:
-        tell(f"this sitting is not as the last one: {'; '.join(changed)}")
+        tell(f"changes since the last part of this session: {'; '.join(changed)}")
     keeper.journal.begin(head)
 
 
@@ -173,12 +173,12 @@ def _session_seed(head: Head | None, who: Who, kind: RigKind) -> int:
     if head is None:
         return secrets.randbelow(2**32) if who.seed is None else who.seed
     if kind.name != head.rig:
-        raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; go on with that")
+        raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; continue with it")
     seed = head.seed if who.seed is None else who.seed
     for name, value, begun in (("seed", seed, head.seed), ("number", number, head.number)):
         if value != begun:
             raise InvalidParameter(
-                f"--{name}: found {value}, but this session began with {begun}; leave it out to go on"
+                f"--{name}: found {value}, but this session began with {begun}; leave it out to continue"
             )
     return head.seed
 

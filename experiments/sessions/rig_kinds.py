@@ -116,8 +116,8 @@ def console(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
     texts = texts_in(language, experiment.words_in(language))
     if TASKS[experiment.table.kind].sets_level and not isinstance(bench_file.output.settings, NullSettings):
         raise InvalidParameter(
-            "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "
-            "study; or leave [output] out of the bench file"
+            "--rig: found console, which plays no level during an adjustment, expected bench; or remove [output] "
+            "from the bench file"
         )
 
     def make(seed: int, log: "EventLog") -> Console:

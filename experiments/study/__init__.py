@@ -1,1 +1,1 @@
-"""Study files and their wiring into cells, sessions and experiments."""
+"""Study files, and their wiring into cells, sessions and experiments."""

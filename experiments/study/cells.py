@@ -1,4 +1,4 @@
-"""Wiring of the design's cells: named stimuli and touch conditions."""
+"""Wire the cells of a design: named stimuli and touch conditions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ Factors = Mapping[str, float | str]
 
 @dataclass(frozen=True)
 class WiredCell:
-    """Wired cell: condition, stimulus, procedure, sensation and surface."""
+    """Cell of a design: condition, stimulus, procedure, sensation and surface."""
 
     condition: Condition
     stimulus: Stimulus
@@ -37,7 +37,7 @@ class WiredCell:
 
 
 def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a table with some keys changed, also within its inner tables.
+    """Return a table with some keys changed, including keys of inner tables.
 
     >>> merge({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
     {'a': 1, 'b': {'c': 4, 'd': 3}}
@@ -50,7 +50,7 @@ def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]
 
 
 def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
-    """Return the study's tables with the variants of a cell's levels."""
+    """Return the study's tables, changed by the variants of a cell's levels."""
     of_cell = {name: dict(getattr(study, name)) for name in VARIED}
     for factor, level in factors.items():
         for name, change in study.variants.get(factor, {}).get(cell_text(level), {}).items():
@@ -59,9 +59,10 @@ def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
 
 
 class Wiring:
-    """Builder of a study's cells, which builds shared parts once.
+    """Builder of a study's cells. Parts that cells share are built once.
 
-    Custom code is imported from a folder, or refused without one. Without `plays`, custom code and files are unused.
+    Custom code is imported from the folder `code_from`, and rejected without that folder. If `plays` is False, custom
+    code and files are not used.
     """
 
     def __init__(self, study: Study, code_from: Path | None = None, *, plays: bool = True) -> None:
@@ -92,9 +93,9 @@ class Wiring:
         touch_class = resolve(kind_of(of["touch"], "touch", TOUCHES))
         kind, stimulus_class = self._kind(of["stimulus"], factors, touch_class)
         slides, found = touch_class is Sliding, f"'slide' with the stimulus {of['stimulus']['kind']!r}"
-        pressed = "'press': a finger that slides leaves a focus; take 'hybrid' for a focus and friction at once"
+        pressed = "'press', as a sliding finger leaves the focus; use 'hybrid' for focus and friction together"
         expect(not (kind.stands and slides), "touch.kind", found, pressed)
-        resting = "'slide': a finger that rests feels no texture"
+        resting = "'slide', as a resting finger feels no texture"
         expect(not kind.follows or slides, "touch.kind", "'press' with a texture", resting)
         self._check_effect(factors, of, stimulus_class, touch_class)
         stimulus = self._stimulus(kind, of["stimulus"], factors, stimulus_class)
@@ -132,32 +133,32 @@ class Wiring:
         return OwnStimulus(stimulus, stated["kind"]) if kind is OWN else stimulus
 
     def _located(self, table: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return a table with its `path` as seen from the current folder."""
+        """Return a table with its `path` relative to the current folder."""
         path = table.get("path")
         return {**table, "path": self.study.beside(path)} if self._plays and isinstance(path, str) else table
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
-        """Name a stimulus by all factors that change it, for journals."""
+        """Return a stimulus name for journals, with all factors that change it."""
         of_variants = {name: level for name, level in factors.items() if name in self.study.variants}
         named = _fields(factors, stimulus_class) | of_variants
         return ", ".join([kind, *(f"{key}={cell_text(level)}" for key, level in named.items())])
 
     def procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
-        """Build a procedure once: tables of QUEST+ take longer than the rest."""
-        key = repr(table)  # lists in a table have no hash
+        """Build a procedure, or return the cached one, as QUEST+ is slow to build."""
+        key = repr(table)  # lists in a table are not hashable
         if key not in self._procedures:
             self._procedures[key] = rule_of(table)
         return self._procedures[key]
 
     def _felt(self, kind: StimulusKind, of: Mapping[str, Mapping[str, Any]], stimulus: Any, touch: Touch) -> Sensation:
-        """Return the sensation through the scene of study or stimulus."""
+        """Return the sensation model of the study's scene or of the stimulus."""
         if is_own(of["sensation"].get("kind")):
             both = "a table next to a custom [sensation]"
-            expect(not of["scene"], "scene", both, "one of the two; remove one")
+            expect(not of["scene"], "scene", both, "only one of them; remove one")
             return self._own_sensation(of["sensation"])
         if not of["scene"]:
             return self._by_default(kind, of["sensation"], stimulus)
-        one = "one of the two: the scene's effects have such keys; remove one"
+        one = "only one of them, as the scene's effects have such keys; remove one"
         expect(not of["sensation"], "sensation", "a table next to [scene]", one)
         scene = felt_scene(of["scene"], kind.surface, stimulus, touch)
         return self._sensations.setdefault(repr(scene), scene)
@@ -193,12 +194,12 @@ class Wiring:
                     f"({', '.join(dict.fromkeys(known))}){nearest(name, known)}"
                 )
             for where in ("stimulus", "touch"):
-                one = "one of the two; remove it here or in factors"
-                expect(name not in of[where], f"{where}.{name}", "a value that is a factor too", one)
+                one = "only one of them; remove it here or in factors"
+                expect(name not in of[where], f"{where}.{name}", "a value that is also a factor", one)
 
 
 def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:
-    """Add the factors that are fields of the reading class to a table."""
+    """Add those factors to a table that are fields of its class."""
     return {**without(table, "kind"), **_fields(factors, kind)}
 
 

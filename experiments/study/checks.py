@@ -1,4 +1,4 @@
-"""Checks of a wired study: limits and places."""
+"""Check the limits and places of a wired study."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
@@ -17,12 +17,12 @@ from .cells import WiredCell
 from .session_plan import Key, places_of
 
 MOST_SAMPLES = 100_000_000
-"""Largest size of a stimulus: 800 MB."""
+"""Largest number of samples in a stimulus (800 MB)."""
 
 
 @dataclass(frozen=True)
 class Strongest:
-    """Stimulus at the highest level of a session, and the table that sets it."""
+    """Stimulus at its highest level, and the table that sets this level."""
 
     name: str
     where: str
@@ -35,7 +35,7 @@ class Strongest:
 
 
 def check_forces(limits: Limits, conditions: Iterable[Condition]) -> None:
-    """Refuse a requested force above its limit."""
+    """Reject a requested force above its limit."""
     for condition in conditions:
         request = condition.touch.request(condition.stimulus, None, None)
         if isinstance(request, Play):
@@ -45,7 +45,7 @@ def check_forces(limits: Limits, conditions: Iterable[Condition]) -> None:
 
 
 def check_signal(limits: Limits, strongest: Strongest) -> None:
-    """Refuse a signal beyond the limits, its length first."""
+    """Reject a signal that exceeds the limits. Checks its length first."""
     stimulus = strongest.stimulus
     duration_s = getattr(stimulus, "duration_s", 0.0)
     longest = f"at most limits.duration_s, {limits.longest_s:g} s; shorten the stimulus, or raise the limit"
@@ -61,7 +61,7 @@ def _within_limits(finding: str) -> AbstractContextManager[None]:
 
 
 def check_places(over: str | None, cells: Mapping[Key, WiredCell]) -> None:
-    """Refuse alternatives of a trial that share a place."""
+    """Reject alternatives of a trial that have the same place."""
     together: dict[Key, list[frozenset[Place]]] = defaultdict(list)
     for key, cell in cells.items():
         rest = tuple(item for item in key if item[0] != over)
@@ -69,4 +69,4 @@ def check_places(over: str | None, cells: Mapping[Key, WiredCell]) -> None:
     for alternatives in together.values() if over else ():
         n, n_apart = len(alternatives), len(set(alternatives))
         found = f"{n} alternatives of {over!r} at {count_of(n_apart, 'place')}"
-        expect(n == n_apart, "task.over", found, "no more answers than places; give each a separate place")
+        expect(n == n_apart, "task.over", found, "a separate place for each alternative")

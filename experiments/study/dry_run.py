@@ -1,4 +1,4 @@
-"""Content and duration of a session, planned without running it."""
+"""Plan the content and duration of a session without running it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,14 +16,15 @@ from .session_plan import stream
 ITEM_S = 5.0
 """Assumed time for an item of a questionnaire (unverified default)."""
 LONG_S, LONGEST_S = 3 * 3600.0, 24 * 3600.0
-"""Longer sessions are warned of, or refused."""
+"""Durations above which a session gives a warning, or an error."""
 
 
 @dataclass(frozen=True)
 class PlannedBlock:
-    """Planned part of a session.
+    """Planned block or questionnaire of a session.
 
-    `procedure` may be a questionnaire. `n_trials_at_most` includes catch trials. `n_items` are those of questionnaires.
+    `procedure` may name a questionnaire. `n_trials_at_most` includes catch trials. `n_items` counts the items of a
+    questionnaire.
     """
 
     block: int
@@ -36,7 +37,7 @@ class PlannedBlock:
 
     @property
     def content(self) -> str:
-        """The content in words.
+        """Content of the block in words.
 
         >>> PlannedBlock(1, {}, "staircase", 80, n_tracks=2).content
         'staircase, 2 interleaved, at most 80 trials'
@@ -51,7 +52,7 @@ class PlannedBlock:
 
 
 def plan(experiment: Experiment, number: int, n_session: int = 1, seed: int = 0) -> list[PlannedBlock]:
-    """Return the parts of the session of the participant with this number."""
+    """Return the planned blocks of a session, for a participant number."""
     parts = experiment.parts(number, stream(seed, "plan"), n_session, seed)
     return [_planned_block(n, part) for n, part in enumerate(parts, 1)]
 
@@ -68,16 +69,16 @@ def _planned_block(number: int, part: Part) -> PlannedBlock:
 
 
 def _n_trials(block: Block) -> Iterator[int]:
-    # Of each group of this many trials, exactly one is a catch trial.
+    # Each group of this many trials contains exactly one catch trial.
     n_group = max(round(1 / block.catch_rate), 2) if block.catch_rate else inf
     for track in block.tracks:
         yield round(track.procedure.n_trials_at_most / (1 - 1 / n_group))
 
 
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
-    """Return the longest duration of a session, s.
+    """Return the longest possible duration (s) of a session.
 
-    It adds times per trial, `ITEM_S` per item and rests, up to `longest_s` of plan and task.
+    This is the sum of the times for trials, items (`ITEM_S`) and rests, limited by `longest_s` of plan and task.
     """
     most_s, parts_s = experiment.study.plan.longest_s, [_longest_block_s(experiment, block) for block in blocks]
     return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))
@@ -93,7 +94,7 @@ def _longest_block_s(experiment: Experiment, block: PlannedBlock) -> float:
 
 
 def parts_ahead(experiment: Experiment, number: int, n_session: int = 1, seed: int = 0) -> tuple[PartAhead, ...]:
-    """Return a session's parts for `tactometry.session.progress`.
+    """Return the parts of a session, for `tactometry.session.progress`.
 
     >>> from .experiment import wire
     >>> from .study_file import load
@@ -118,13 +119,13 @@ def check_duration(experiment: Experiment, blocks: list[PlannedBlock]) -> str | 
     Raises
     ------
     InvalidParameter
-        If it lasts more than `LONGEST_S`.
+        If the session lasts more than `LONGEST_S`.
     """
     lasting_s = duration_s(experiment, blocks)
     if lasting_s <= LONG_S:
         return None
     lasts = f"found a session of at most {lasting_s / 3600:.3g} hours"
-    ways = "ask for fewer trials, or part it into sessions ([plan]: sessions, longest_s)"
+    ways = "plan fewer trials or several sessions ([plan]: sessions, longest_s)"
     if lasting_s > LONGEST_S:
         raise InvalidParameter(f"procedure: {lasts}, expected at most {LONGEST_S / 3600:g}; {ways}")
-    return f"{lasts}, which is more than {LONG_S / 3600:g}: {ways}, unless people bear it"
+    return f"{lasts}, which is more than {LONG_S / 3600:g}: {ways}, or test that participants tolerate it"

@@ -1,4 +1,4 @@
-"""Wired studies with their stimuli, sessions and simulated participants."""
+"""Wired studies: stimuli, sessions and simulated participants."""
 
 import itertools
 from collections import defaultdict
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Experiment(SessionPlan):
-    """Wired study (name or file `where`) with checked levels."""
+    """Wired study with checked levels. `where` is its name or file."""
 
     people: Population
     where: str
@@ -57,7 +57,7 @@ class Experiment(SessionPlan):
         return self.table.task
 
     def words_in(self, language: str) -> dict[str, str]:
-        """Return the participant texts that replace shipped ones."""
+        """Return custom texts for participants, which replace built-in ones."""
         kind = self.table.kind
         asked = messages_of(kind, self.table.task_kind.questions)
         of_choices = {name: text for form in self.choices for name, text in words_of(form, language).items()}
@@ -65,17 +65,17 @@ class Experiment(SessionPlan):
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
-        """The conditions of all cells, in the order of the file."""
+        """Conditions of all cells, in the order of the file."""
         return tuple(cell.condition for cell in self.cells.values())
 
     @property
     def bank(self) -> dict[str, Stimulus]:
-        """The stimuli by name."""
+        """Stimuli by name."""
         return {cell.condition.stimulus: cell.stimulus for cell in self.cells.values()}
 
     @property
     def questionnaires(self) -> tuple[Questionnaire, ...]:
-        """Questionnaires with a scale in the sessions."""
+        """Questionnaires with rating scales in the sessions."""
         of_task = (self.task.form,) if isinstance(self.task, AsksForm) else ()
         return (*of_task, *(form for form in self.forms.values() if isinstance(form, Questionnaire)))
 
@@ -85,16 +85,16 @@ class Experiment(SessionPlan):
         return tuple(form for form in self.forms.values() if isinstance(form, ChoiceForm))
 
     def strongest(self, bank: Mapping[str, Stimulus] | None = None) -> tuple[Strongest, ...]:
-        """Return each stimulus (from `bank` if given) at its highest level.
+        """Return each stimulus at its highest level, from `bank` if given.
 
-        Stimuli are ordered by level, so a session whose highest levels are within the limits is within them throughout.
+        Stimuli grow with the level. If their highest levels are within the limits, so are all stimuli of a session.
         """
         bank = self.bank if bank is None else bank
         return tuple(Strongest(name, where, level, bank[name]) for name, (where, level) in self._highest.items())
 
     @cached_property
     def _highest(self) -> dict[str, tuple[str, float]]:
-        """Return each stimulus's highest level and the key that sets it."""
+        """Return the highest level of each stimulus, and the key that sets it."""
         highest: dict[str, tuple[str, float]] = {}
         for cell in self.cells.values():
             name = cell.condition.stimulus
@@ -110,7 +110,7 @@ class Experiment(SessionPlan):
         return min(lowest), max(highest)
 
     def _levels(self, cell: WiredCell) -> Iterator[tuple[str, float, float]]:
-        """Yield the keys that set levels, with their lowest and highest level."""
+        """Yield the keys that set a cell's levels, with lowest and highest level."""
         yield "procedure", *cell.procedure.rule.bounds
         if self.practice is not None:
             yield "practice", *self.practice.bounds
@@ -119,7 +119,7 @@ class Experiment(SessionPlan):
             yield f"task.{key}", level, level
 
     def course(self, participant: str, n_session: int, number: int, seed: int) -> Course[tuple[Track, ...]]:
-        """Return the protocol of one session, a pure function of its arguments."""
+        """Return the protocol of one session. Depends only on the arguments."""
         rng = stream(seed, participant, n_session, "protocol")
         parts = self.parts(number, rng, n_session, seed)
         return session(parts, rng, self.study.plan.longest_s, consent=self.study.consent)
@@ -130,7 +130,7 @@ class Experiment(SessionPlan):
 
     @cached_property
     def felt(self) -> str:
-        """Effects of the scenes, by stimulus if they differ; else empty."""
+        """Effects of the scenes in words, by stimulus if they differ."""
         by_stimulus = {cell.condition.stimulus: cell.sensation for cell in self.cells.values()}
         scenes = {name: scene_in_words(skin.scene) for name, skin in by_stimulus.items() if isinstance(skin, FeltScene)}
         firsts = {words: name for name, words in reversed(scenes.items())}
@@ -142,7 +142,7 @@ class Experiment(SessionPlan):
         self.people.check_allowed()
         for cell in self.cells.values():
             if isinstance(cell.sensation, Unseen):
-                raise not_allowed(cell.sensation.where, cell.sensation.target, "a model of what is felt")
+                raise not_allowed(cell.sensation.where, cell.sensation.target, "a sensation model")
 
     def simulated_participant(self, participant: str, seed: int) -> Observer:
         return self.simulated_person(participant, seed).observer
@@ -188,7 +188,7 @@ class Experiment(SessionPlan):
 
     @cached_property
     def _met(self) -> dict[Meeting, WiredCell]:
-        """Return the first cell of each contact."""
+        """Return the first cell for each combination of stimulus and touch."""
         met: dict[Meeting, WiredCell] = {}
         for cell in self.cells.values():
             condition = cell.condition
@@ -203,11 +203,11 @@ class Experiment(SessionPlan):
 
     @cached_property
     def _rendered(self) -> Rendering:
-        """Return the rendered stimuli that simulated sessions share."""
+        """Return the rendered stimuli, which simulated sessions share."""
         return rendering(self.bank, self.study.limits)
 
     def design(self, study_toml: bytes) -> StudyDescription:
-        """Describe the study for the files of a data set."""
+        """Return the description of the study for the files of a data set."""
         study = self.study
         columns = table_columns([_factor_column(name) for name in study.factors], self._optional())
         numbers = ", ".join(name for form in self.choices for name in form.numbers)
@@ -250,23 +250,23 @@ def wire(
     plays: bool = True,
     begun: bool = False,
 ) -> Experiment:
-    """Build every table of a study and check its strongest stimuli.
+    """Build all tables of a study, and check its strongest stimuli.
 
-    Custom code is imported from the folder `code_from`, or refused without it.
+    Custom code is imported from the folder `code_from`, and rejected without it.
 
     Parameters
     ----------
     simulated : bool
-        Whether participants may be simulated. Otherwise custom observer code is not imported.
+        True if participants may be simulated. If False, custom observer code is not imported.
     plays : bool
-        Whether stimuli may be played. Otherwise data are read, without files of stimuli or custom code.
+        True if stimuli may be played. If False, data are only read, without stimulus files or custom code.
     begun : bool
-        Whether a session has begun. Then the rule remains, even with an inconsistent guess rate.
+        True if a session has begun. The procedure is then accepted even with an inconsistent guess rate.
 
     Raises
     ------
     InvalidParameter
-        If a table has an unknown key or invalid value, or a level would pass a limit; the message starts with `where`.
+        If a table has an unknown key or invalid value, or a level exceeds a limit. The message starts with `where`.
     """
     with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study, where, code_from, simulated=simulated, plays=plays)
@@ -290,7 +290,7 @@ def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool,
     n_tracks = 1 if found.errors else _tracks_per_cell(study, table)
     cells = found.made(lambda: dict(_cells(Wiring(study, code_from, plays=plays), n_tracks)))
     found.end()
-    crossing_of(study, table.over, study.factors)  # refuses impossible orders
+    crossing_of(study, table.over, study.factors)  # rejects impossible orders
     forms = {name: asked_form(study, name) for name in study.inquiries}
     questionnaires_of(study.forms)  # unused forms must be valid too
     choice_forms_of(study.forms)
@@ -309,7 +309,7 @@ def _levels_of(cells: Mapping[Key, WiredCell]) -> dict[str, list[float | str]]:
 
 
 def _cells(wiring: Wiring, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
-    """Wire the cells of the design, up to the limit of trials."""
+    """Wire the cells of the design. Rejects too many trials."""
     n_trials = 0.0
     for factors in all_cells(wiring.study):
         cell = wiring.cell(factors)
@@ -319,7 +319,7 @@ def _cells(wiring: Wiring, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
 
 
 def _tracks_per_cell(study: Study, table: TaskTable) -> float:
-    """Return the number of tracks per cell, of which alternatives share some."""
+    """Return the number of tracks per cell. Alternatives can share tracks."""
     if table.over is None:
         return 1
     n_levels = len(study.factors[table.over])

@@ -1,4 +1,4 @@
-"""Predictions of felt effects, omitted effects and contact loss."""
+"""Predict felt effects, omitted effects and loss of contact."""
 
 import math
 import textwrap
@@ -28,24 +28,24 @@ from .predictions import PredictedJnd, Unfelt, contact_of, played, predicted_jnd
 
 WIDTH = 100
 SLIDING_M_PER_S = 0.05
-"""Assumed speed of a sliding finger in studies with a finger at rest."""
+"""Speed used to predict whether a sliding finger would feel more than a resting one."""
 LONGEST_S = 1.0
-"""Longest predicted computing time of an effect that is left out."""
+"""Longest predicted computing time (s) of an omitted effect. Slower effects are not computed."""
 STEPS: Final = 4
 CLOSE: Final = 1e-3
-"""Accepted difference of pull over pressing force from 1. A voltage needs one step, lengths of bursts a few."""
+"""Accepted relative difference between pull and pressing force. Voltages need one step, burst lengths a few."""
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Effect that a scene does not have.
+    """Effect that a scene omits.
 
     Parameters
     ----------
     instead_of : tuple of str
-        Effects of the scene that it would replace.
+        Effects of the scene that the effect would replace.
     change_db : float or None
-        Change of the sensation level with the effect at its defaults, None if unknown.
+        Change in sensation level if the effect is added with its defaults. None if unknown.
     why : str
         Reason why the change is unknown.
     """
@@ -57,7 +57,7 @@ class LeftOut:
 
     @property
     def words(self) -> str:
-        """The effect and its change in a few words.
+        """Effect and change in words.
 
         >>> LeftOut("receptors", ("sensitivity",), 12.6).words
         'receptors (instead of sensitivity) +12.6 dB'
@@ -73,7 +73,7 @@ class LeftOut:
 class FeltEffects:
     """Predicted sensation of a stimulus at its highest level and touch.
 
-    `finger_rests` is True if nothing is felt because the finger is at rest.
+    `finger_rests` is True if only a sliding finger would feel the stimulus.
     """
 
     stimulus: str
@@ -88,26 +88,26 @@ class FeltEffects:
 
     @property
     def lines(self) -> list[str]:
-        """The prediction as lines of at most 100 columns."""
+        """Lines of the prediction, at most 100 columns wide."""
         paragraphs = (
             f"predicted for {self.stimulus} at {self.level}: {self._sensation_words}, computed with the effects "
             f"{', '.join(self.felt)} (predicted error {self.predicted_error})",
             f"effects left out, with their changes: {'; '.join(each.words for each in self.left_out) or 'none'}",
             f"assumptions: {'; '.join(self.assumed) or 'none'}",
-            f"the prediction depends on {'; '.join(self.rests_on) or 'no number of the scene'}",
+            f"the prediction depends on {'; '.join(self.rests_on) or 'no parameter of the scene'}",
         )
         return [line for text in paragraphs for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
 
     @property
     def _sensation_words(self) -> str:
         if self.sensation_db == -inf:
-            return f"not felt{' by a finger that rests' if self.finger_rests else ''}"
+            return f"not felt{' by a resting finger' if self.finger_rests else ''}"
         rounded_db = round(self.sensation_db, 1)
         return f"{abs(rounded_db):.1f} dB {'below' if rounded_db < 0 else 'above'} threshold"
 
 
 def felt_effects(experiment: Experiment) -> list[FeltEffects]:
-    """Predict the first stimulus of each choice of effects in a scene."""
+    """Predict the sensation for each set of effects in the study's scenes."""
     firsts: dict[object, tuple[WiredCell, Scene]] = {}
     for cell in experiment.cells.values():
         if isinstance(cell.sensation, FeltScene):
@@ -154,24 +154,24 @@ def _left_out(scene: Scene, signal: Signal, contact: Contact, felt_db: float) ->
 
 
 def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: Contact, felt_db: float) -> LeftOut:
-    """Return the change in sensation level with one more default effect."""
+    """Return the change in sensation level if one effect is added."""
     kind = effect_class.kind
     needed = [name for name, field in fields_of(effect_class).items() if is_required(field)]
     if needed:
-        return LeftOut(kind, why=f"needs a value of {', '.join(needed)}")
+        return LeftOut(kind, why=f"requires {', '.join(needed)}")
     others = tuple(effect for effect in scene.effects if not _exclude(scene.surface, effect, effect_class))
     instead_of = tuple(effect.kind for effect in scene.effects if effect not in others)
     try:
         added = effect_class()
         with_it = replace(scene, effects=(*others, added))
         if added in with_it.felt().off():
-            return LeftOut(kind, instead_of, why="nothing that is felt needs it")
+            return LeftOut(kind, instead_of, why="no felt output needs it")
         if with_it.felt().resolve().predicted_s > LONGEST_S:
             return LeftOut(kind, instead_of, why="not computed")
         with_it_db = with_it.sensation(signal, contact)
     except InvalidParameter:
-        return LeftOut(kind, instead_of, why="does not go with the others")
-    if -inf in (felt_db, with_it_db):  # the difference is no number
+        return LeftOut(kind, instead_of, why="excluded by the other effects")
+    if -inf in (felt_db, with_it_db):  # the difference is not finite
         felt_with_it = "not felt with it" if with_it_db == -inf else "felt with it"
         return LeftOut(kind, instead_of, why=f"{felt_with_it} either" if felt_db == with_it_db else felt_with_it)
     return LeftOut(kind, instead_of, with_it_db - felt_db)
@@ -190,19 +190,19 @@ class Pressed(Protocol):
         """Names of the fingers that share the force of a touch."""
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """Return the force beyond the pressing one, ([n_fingers,] n_samples)."""
+        """Return contact minus pressing force, ([n_fingers,] n_samples)."""
 
 
 @dataclass(frozen=True)
 class FingerOfStudy:
-    """Finger or tip with the strongest pull at a pressing force.
+    """Strongest pull of the plate on a finger or tip, at a pressing force.
 
     Parameters
     ----------
     level, pull_n : float
         Highest level of the study, and the largest pull of the plate there.
     first_level : float
-        Level at which the pull equals the pressing force.
+        Level at which the pull equals the pressing force, so that contact is lost above it.
     presser : str
         Name of the finger or tip.
     """
@@ -222,17 +222,17 @@ class FingerOfStudy:
 
     @property
     def line(self) -> str:
-        """The prediction in one sentence."""
+        """Prediction in one sentence."""
         at = f"at {self.level:g} {self.level_unit} ({self.stimulus})"
-        pulled = f"the plate would pull a {self.presser} of {self.force_n:g} N by {self.pull_n:.2g} N"
+        pulled = f"the plate pulls the {self.presser} (pressed with {self.force_n:g} N) with {self.pull_n:.2g} N"
         if not self.lifts_off:
             return f"contact holds: {at} {pulled} at most"
         first = f"{self.first_level:.3g} {self.level_unit}"
-        return f"contact is lost: {at} {pulled}, so that it lifts off, from {first} on"
+        return f"contact is lost from {first} on: {at} {pulled}"
 
 
 def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
-    """Return the case nearest to lifting off per finger (or tip) and force."""
+    """Return the strongest pull for each finger (or tip) and force."""
     nearest: dict[tuple[float, str], tuple[float, Strongest, Callable[[Signal], float]]] = {}
     strongest = {one.name: one for one in experiment.strongest()}
     for name, sensation, contact in _touches(experiment):
@@ -246,7 +246,7 @@ def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
 
 
 def _touches(experiment: Experiment) -> Iterator[tuple[str, Pressed, Contact]]:
-    """Yield each stimulus once per plate model and force."""
+    """Yield each stimulus once for each plate model and force."""
     touches = {}
     for cell in experiment.cells.values():
         force_n = getattr(cell.condition.touch, "force_n", 0.0)
@@ -257,7 +257,7 @@ def _touches(experiment: Experiment) -> Iterator[tuple[str, Pressed, Contact]]:
 
 
 def _pulls_n(sensation: Pressed, contact: Contact, signal: Signal) -> list[float]:
-    """Return the largest pull of the plate on each finger, N."""
+    """Return the largest pull (N) of the plate on each finger."""
     lowest_n = np.atleast_2d(sensation.contact_force_n(signal, contact)).min(axis=1, initial=0.0)
     return [max(-force_n, 0.0) for force_n in lowest_n.tolist()]
 
@@ -290,7 +290,7 @@ def _pulled(
 
 @dataclass(frozen=True)
 class StudyPrediction:
-    """Predictions for a study; `models` are the names of its sensation models."""
+    """Predictions for a study. `models` are the names of its sensation models."""
 
     effects: tuple[FeltEffects, ...]
     fingers: tuple[FingerOfStudy, ...]
@@ -300,19 +300,19 @@ class StudyPrediction:
 
     @property
     def warnings(self) -> list[str]:
-        """A line for each condition that is predicted to be too weak."""
+        """Warning lines, one for each condition predicted to be too weak."""
         return [one.line for one in self.unfelt]
 
     @property
     def lines(self) -> list[str]:
-        """Lines of the dry run."""
+        """Lines printed by a dry run."""
         felt = [line for effects in self.effects for line in effects.lines]
         through = felt or [f"felt by {', '.join(self.models)}, no scene"]
         return [*self.warnings, *(one.line for one in self.jnds), *through, *(finger.line for finger in self.fingers)]
 
     @property
     def record(self) -> dict[str, list[dict[str, Any]]]:
-        """Prediction for JSON; contact, unfelt and jnd only if there are any."""
+        """Prediction for JSON. Empty lists of contact, unfelt and jnd are omitted."""
         further = {"contact": self.fingers, "unfelt": self.unfelt, "jnd": self.jnds}
         parts: dict[str, tuple[Any, ...]] = {
             "felt": self.effects,

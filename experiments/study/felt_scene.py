@@ -1,6 +1,7 @@
 """Sensation models of scenes, and the table `[scene]`.
 
-A study states what is played in `[stimulus]` and who touches it in `[touch]`. The scene is the physics between them.
+A study states the played signal in `[stimulus]` and the finger's contact in `[touch]`. The scene is the physics between
+them.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -40,7 +41,7 @@ Parts = tuple[dict[str, Any], tuple[Effect, ...]]
 
 @dataclass(frozen=True, eq=False)
 class FeltScene:
-    """Sensation through a scene."""
+    """Sensation model of a scene."""
 
     scene: Scene
 
@@ -50,10 +51,10 @@ class FeltScene:
 
 
 class FeltOnPlate(FeltScene):
-    """Sensation on a moving plate, with the force between finger and plate."""
+    """Sensation model of a moving plate, with the contact force."""
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """Return the force beyond the pressing one, (n_fingers, n_samples)."""
+        """Return contact minus pressing force, (n_fingers, n_samples)."""
         force_n: FloatArray = self._pressed.run({"signal": signal, "contact": contact})[FORCE]
         return force_n
 
@@ -68,7 +69,7 @@ class FeltOnPlate(FeltScene):
 
 
 class FeltByFingers(FeltOnPlate):
-    """Sensation at several fingers on a moving plate."""
+    """Sensation model of several fingers on a moving plate."""
 
     def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]:
         """Return the sensation level (dB) at each finger."""
@@ -76,7 +77,7 @@ class FeltByFingers(FeltOnPlate):
 
 
 def felt(scene: Scene) -> FeltScene:
-    """Return the sensation model of a scene on its surface."""
+    """Return the sensation model of a scene."""
     if scene.surface.names:
         return FeltByFingers(scene)
     kind = FeltScene if scene.surface.kind == "electrovibration" else FeltOnPlate
@@ -84,7 +85,7 @@ def felt(scene: Scene) -> FeltScene:
 
 
 def scene_in_words(scene: Scene) -> str:
-    """List felt effects, values that are not defaults, and the accuracy."""
+    """Describe felt effects, non-default values and the accuracy in words."""
     off, surface = scene.felt().off(), scene.surface
     effects = ", ".join(effect_in_words(effect) for effect in scene.effects if effect not in off)
 
@@ -95,7 +96,7 @@ def scene_in_words(scene: Scene) -> str:
 
 
 def effect_in_words(effect: Effect) -> str:
-    """Name an effect with the values that are not its defaults.
+    """Describe an effect with its non-default values in words.
 
     >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
     >>> from tactometry.stimuli.scenes.effects.focus_detection import FocusDetection
@@ -110,7 +111,7 @@ def effect_in_words(effect: Effect) -> str:
 
 
 def _deviations(values: Mapping[str, Any], usual: Mapping[str, Any]) -> Iterator[str]:
-    """Yield values that differ from the usual ones, also within dataclasses."""
+    """Yield values that differ from the defaults, including inner dataclasses."""
     for name, value in values.items():
         if name in STATED_BY_STIMULUS or value == usual.get(name, value):
             continue
@@ -136,11 +137,11 @@ class SceneTable:
     name : str
         Built-in scene or scene file that supplies surface and effects.
     surface : mapping
-        ``kind`` and the keys of a scene's surface, without those of the tone.
+        ``kind`` and the keys of a scene's surface, without the keys of the tone.
     effects : tuple of mapping
         Effects as in a scene file, with at least a force law, friction and a threshold.
     accuracy : float
-        Relative error of the felt amplitude; 0.05 is 0.4 dB.
+        Relative error of the felt amplitude. 0.05 corresponds to 0.4 dB.
     """
 
     name: str = ""
@@ -159,15 +160,15 @@ def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Tou
     Raises
     ------
     InvalidParameter
-        If a key or value is invalid, no scene plays such a stimulus, or no sensation follows so accurately under this
-        touch. The message starts with the key.
+        If a key or value is invalid, no scene supports the stimulus, or the sensation cannot be computed with this
+        accuracy for this touch. The message starts with the key.
     """
-    expected = "another kind; remove [scene] and state what is felt or read in [sensation]"
-    expect(surface in PLAYED, "scene", "a table with a stimulus that no scene plays", expected)
+    expected = "another stimulus kind; remove [scene] and use [sensation]"
+    expect(surface in PLAYED, "scene", "a table with a stimulus that no scene supports", expected)
     read = build(SceneTable, table, "scene")
     stated, effects = _parts_of_scene(read.name, surface) if read.name else _parts_of_table(read, surface)
     rests = surface == "electrovibration" and not isinstance(touch, Sliding)
-    expect(not rests, "touch.kind", "'press' with a [scene]", "'slide': friction is felt in motion")
+    expect(not rests, "touch.kind", "'press' with a [scene]", "'slide', as friction is felt only in motion")
     with rewording(_in_study):
         played = PLAYED[surface](stated, stimulus, "surface")
         scene = Scene(played, effects, (SENSATION,), read.accuracy, played.touches)
@@ -178,13 +179,13 @@ def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Tou
 def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
     """Build an electrode with layers stated as in a scene file."""
     for name in TONE:
-        expect(name not in stated, f"{where}.{name}", "what [stimulus] states", "it there alone; remove it")
+        expect(name not in stated, f"{where}.{name}", "a key of [stimulus]", "it only in [stimulus]; remove it")
     panel: Any = build_kind({**SILENT, **stated, "duration_s": stimulus.duration_s}, where, SURFACES)
     return panel.played()
 
 
 def _plate(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
-    """Build a plate from the stimulus, with the places of the fingers."""
+    """Build a plate from the stimulus, with the positions of the fingers."""
     shared = {name: getattr(stimulus, name) for name in ("setup", "places") if hasattr(stimulus, name)}
     touched = "played_plates:PlayedFingers" if "places" in shared else "played_plates:PlayedTimeReversal"
     played = resolve(f"tactometry.stimuli.scenes.surfaces.{touched}")
@@ -211,25 +212,25 @@ PLAYED: Final[Mapping[str, Callable[[Mapping[str, Any], Any, str], Surface]]] = 
 def _parts_of_table(read: SceneTable, surface: str) -> Parts:
     """Return the surface and effects of the table itself."""
     kind = read.surface.get("kind", surface)
-    where = "where levels of a factor are played on several, state each as [variants.FACTOR.LEVEL.scene]"
-    expect(kind == surface, "scene.surface.kind", repr(kind), f"{surface!r}, which the stimulus is played on; {where}")
+    where = "use [variants.FACTOR.LEVEL.scene] if levels of a factor have different surfaces"
+    expect(kind == surface, "scene.surface.kind", repr(kind), f"{surface!r}, the surface of the stimulus; {where}")
     effects = tuple(build_kind(table, f"scene.effects[{n}]", EFFECTS) for n, table in enumerate(read.effects))
     for n, effect in enumerate(effects):
-        changes = f"{effect.kind!r}, which changes what is played or on what"
+        changes = f"{effect.kind!r}, which changes the played signal"
         is_played = effect.kind in resolve(SURFACES[surface]).effects and effect.in_signal
-        expect(not is_played, f"scene.effects[{n}]", changes, "what [stimulus] states alone; remove it")
+        expect(not is_played, f"scene.effects[{n}]", changes, "effects of contact and sensation; remove it")
     return read.surface, effects
 
 
 def _parts_of_scene(name: str, surface: str) -> Parts:
-    """Return the surface and effects of a scene file, without played parts."""
+    """Return surface and effects of a scene file that [stimulus] does not set."""
     from tactometry.stimuli.scenes.file import load_scene  # imports the modules of its effects
 
     with rewording(lambda words: words.replace("FILE", "scene.name", 1)):
         path = path_of(name)
     scene = load_scene(path).scene
-    of = getattr(scene.surface, surface, scene.surface)  # of a hybrid screen the side that is played on
-    expected = f"one on {surface!r}, such as {SUCH_AS[surface]!r}"
+    of = getattr(scene.surface, surface, scene.surface)  # on a hybrid screen, the half that plays the stimulus
+    expected = f"a scene on {surface!r}, such as {SUCH_AS[surface]!r}"
     expect(of.kind == surface, "scene.name", f"{name!r}, a scene on {of.kind!r}", expected)
     levels = tuple(output for output in scene.outputs if output.endswith(SENSATION)) or (SENSATION,)
     with rewording(_in_study):
@@ -239,7 +240,7 @@ def _parts_of_scene(name: str, surface: str) -> Parts:
 
 
 def _stated(surface: Surface) -> dict[str, Any]:
-    """Return the values of a surface that the stimulus leaves open."""
+    """Return the values of a surface that the stimulus does not state."""
     if surface.kind == "hybrid":
         return {"electrovibration": _stated(vars(surface)["electrovibration"])}
     return without(vars(surface), *TONE) if surface.kind == "electrovibration" else {}

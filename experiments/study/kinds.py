@@ -1,4 +1,4 @@
-"""Kinds of procedures and stimuli, whose classes are imported when used."""
+"""Kinds of procedures and stimuli. Their classes are imported when used."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ProcedureKind:
-    """Kind of procedure: target string, and table with levels from 0 to 40.
+    """Kind of procedure: import target, and example with levels of 0 to 40.
 
-    `rule` is the method that returns the rule, if the class itself is not a rule. `can_be_shared` means that tracks can
-    share answers, `takes_easy_trials` that levels follow the answers, so that easy trials can be added.
+    `rule` is the method that returns the rule, if the class itself is not a rule. With `can_be_shared`, tracks can
+    share answers. With `takes_easy_trials`, levels depend on the answers, so easy trials can be added.
     """
 
     table: str
@@ -26,7 +26,7 @@ class ProcedureKind:
     takes_easy_trials: bool = True
 
     def rule_of(self, table: Any) -> "Rule[Any]":
-        """Return the rule of a built table, which may check more."""
+        """Return the rule of a built table. May raise further errors."""
         rule: Rule[Any] = getattr(table, self.rule)() if self.rule else table
         return rule
 
@@ -60,17 +60,17 @@ PROCEDURES: Mapping[str, ProcedureKind] = {
         can_be_shared=True,
     ),
 }
-"""Kinds of procedures. To add one, add its file to `protocols/procedures` and a line here."""
+"""Kinds of procedures. To add a kind, add its file to `protocols/procedures` and an item here."""
 
 
 @dataclass(frozen=True)
 class StimulusKind:
-    """Kind of stimulus with target strings of stimulus and sensation model.
+    """Kind of stimulus, with import targets of stimulus and sensation model.
 
-    `shared` lists the fields of both. `stands` marks stimuli at one place, which a sliding finger would leave.
-    `follows` marks stimuli that only a sliding finger feels. `reads` marks stimuli that read a file when played.
-    `parts` maps the keys of inner tables to their allowed kinds. `surface` is the kind of surface that a scene may have
-    under it, or empty if it may have none.
+    `shared` lists the fields that stimulus and sensation model share. `stands` marks stimuli at one place, which a
+    sliding finger would leave. `follows` marks stimuli that only a sliding finger feels. `reads` marks stimuli that
+    read a file when played. `parts` maps the keys of inner tables to their allowed kinds. `surface` is the kind of
+    surface in a scene for this stimulus, or empty if no scene supports it.
     """
 
     stimulus: str

@@ -1,4 +1,4 @@
-"""Custom stimulus and sensation classes from a file next to the study."""
+"""Custom stimulus and sensation classes, from a file next to the study."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, make_dataclass
@@ -21,21 +21,21 @@ def _is_level(value: object) -> bool:
 
 
 def _plain_signal(signal: Signal) -> Signal:
-    """Rebuild a signal of a subclass, whose checks may be missing."""
+    """Convert a signal of a subclass to a checked `Signal`."""
     return signal if type(signal) is Signal else Signal(signal.samples, signal.rate_hz, signal.unit)
 
 
 CALLS: Final = {
     "at": Expected("a Signal (tactometry.signal)", lambda value, _: isinstance(value, Signal), _plain_signal),
-    "sensation_db": Expected("a number in dB, or -inf for nothing", lambda value, _: _is_level(value), float),
+    "sensation_db": Expected("a number in dB, or -inf if nothing is felt", lambda value, _: _is_level(value), float),
     "__post_init__": None,
 }
-"""Checked methods and their results."""
+"""Methods whose results are checked, and the expected results."""
 
 
 @dataclass(frozen=True)
 class OwnStimulus:
-    """Custom stimulus of a class ``module:Class`` with checked signals."""
+    """Custom stimulus of a class ``module:Class``, with checked signals."""
 
     made: Any
     target: str
@@ -46,7 +46,7 @@ class OwnStimulus:
 
     @property
     def read(self) -> bool:
-        """True if its code may run."""
+        """True if the code of the class may run."""
         return not isinstance(self.made, Unseen)
 
     @property
@@ -54,18 +54,23 @@ class OwnStimulus:
         return str(self.made.level_unit)
 
     def at(self, level: float) -> Signal:
-        """Return the signal of a level; raise unless in V and as long as stated."""
+        """Return the signal at a level. Checks its unit (V) and its duration."""
         signal: Signal = self.made.at(level)
         where = f"{self.target}.at({level:g})"
-        expect(signal.unit == "V", where, f"a signal in {signal.unit!r}", f"one in 'V', at the load; {REMEDY}")
+        expect(
+            signal.unit == "V",
+            where,
+            f"a signal in {signal.unit!r}",
+            f"the voltage at the load, in 'V'; {REMEDY}",
+        )
         as_long = abs(signal.duration_s - self.duration_s) < 1.5 / signal.rate_hz
-        stated = f"{self.duration_s:g} s, its duration_s; {REMEDY}"
+        stated = f"{self.duration_s:g} s, as stated by its duration_s; {REMEDY}"
         expect(as_long, where, f"a signal of {signal.duration_s:g} s", stated)
         return signal
 
 
 class Unseen:
-    """Placeholder for a class whose code must not run. Its data can be read."""
+    """Placeholder for a class whose code must not run, to read existing data."""
 
     target: str
     where: str
@@ -77,7 +82,7 @@ class Unseen:
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         del signal, contact
-        raise not_allowed(self.where, self.target, "a model of what is felt")
+        raise not_allowed(self.where, self.target, "a sensation model")
 
 
 def stimulus_class(
@@ -88,7 +93,7 @@ def stimulus_class(
     *,
     plays: bool,
 ) -> Any:
-    """Return the class of `[stimulus]`, or a placeholder unless it `plays`.
+    """Return the class of `[stimulus]`, or a placeholder if `plays` is False.
 
     Parameters
     ----------
@@ -100,11 +105,11 @@ def stimulus_class(
     Raises
     ------
     InvalidParameter
-        If there is no such class, it lacks a required member, or its code is not allowed.
+        If the class does not exist, lacks a required member, or its code is not allowed.
     """
     target, where = table["kind"], "stimulus.kind"
     for name in STATED:
-        expected = f"{name} = ... in [stimulus]: data are read without the code of {target!r}"
+        expected = f"{name} = ... in [stimulus], as data are read without the code of {target!r}"
         expect(name in table or name in factors, f"stimulus.{name}", "no such key", expected)
     if not plays:
         return _unseen(target, where, [*table, *factors])
@@ -113,25 +118,30 @@ def stimulus_class(
     kind = class_beside(target, code_from, where)
     fields = getattr(kind, "__dataclass_fields__", {})
     lacking = [*(name for name in STATED if name not in fields), *([] if hasattr(kind, "at") else ["at(level)"])]
-    expect(not lacking, where, f"{target!r}, which lacks {', '.join(lacking)}", "a stimulus that has them")
+    expect(not lacking, where, f"{target!r}, which lacks {', '.join(lacking)}", "a class that has them")
     both = [name for name in of_touch if name in fields and name not in STATED]
     expect(not both, where, f"{target!r} with the field {', '.join(both)}, a key of the touch", "another name for it")
     return guarded(kind, CALLS)
 
 
 def sensation_class(table: Mapping[str, Any], code_from: Path | None) -> Any:
-    """Return the class of `[sensation]`, or a placeholder if not allowed.
+    """Return the class of `[sensation]`, or a placeholder without `code_from`.
 
     Raises
     ------
     InvalidParameter
-        If there is no such class, or it has no `sensation_db`.
+        If the class does not exist or has no `sensation_db`.
     """
     target, where = table["kind"], "sensation.kind"
     if code_from is None:
         return _unseen(target, where, [*table])
     kind = class_beside(target, code_from, where)
-    expect(hasattr(kind, "sensation_db"), where, f"{target!r}, which lacks sensation_db(signal, contact)", "it")
+    expect(
+        hasattr(kind, "sensation_db"),
+        where,
+        f"{target!r}, which lacks sensation_db(signal, contact)",
+        "a class that has it",
+    )
     return guarded(kind, CALLS)
 
 

@@ -1,4 +1,4 @@
-"""Predicted sensation levels and JNDs of a study, and weak conditions."""
+"""Predict sensation levels, JNDs and too weak conditions of a study."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -27,9 +27,9 @@ from .own_parts import Unseen
 
 N_LEVELS = 81
 SILENT_DB = -200.0
-"""Sensation level of an imperceptible stimulus in a table of numbers."""
+"""Sensation level of an imperceptible stimulus, in tables that require a finite number."""
 TOLERATED_DB = 0.05
-"""A level this far below the threshold is printed as at it."""
+"""Distance below the threshold that is tolerated, as it would be printed as 0 dB."""
 NEAR_DB = 10.0
 """Distance below which a standard is near the threshold: two standard deviations between participants (unverified
 default)."""
@@ -37,31 +37,32 @@ JND_PER_SD = NormalDist().inv_cdf(0.75)
 
 
 def contact_of(cell: WiredCell) -> Contact:
-    """Return a cell's requested contact, by default at rest without force."""
+    """Return a cell's requested contact. Defaults are no force and no speed."""
     request = cell.condition.touch.request(cell.condition.stimulus, None, None)
     return Contact(getattr(request, "target_n", None) or 0.0, getattr(request, "speed_m_per_s", None) or 0.0)
 
 
 def played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
-    """Return the signal of a level under a finger that slides straight on."""
+    """Return the signal at a level, felt by a finger on a straight path."""
     signal = cell.stimulus.at(level)
     return felt_under(cell.stimulus, signal, *straight_way(signal.duration_s, speed_m_per_s, TRAJECTORY_M))
 
 
 def felt_db(cell: WiredCell, level: float, contact: Contact) -> float:
-    """Return the sensation level (dB), -inf if nothing is felt."""
+    """Return the sensation level (dB), or -inf if nothing is felt."""
     return cell.sensation.sensation_db(played(cell, level, contact.speed_m_per_s), contact)
 
 
 def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact: Contact | None = None) -> LevelTable:
-    """Return sensation levels (dB) by level through a cell's sensation model.
+    """Return sensation levels (dB) by level, from a cell's sensation model.
 
     Parameters
     ----------
     levels : (n_levels,) sequence of float
-        Rising; levels between them are interpolated. By default the levels of the rule, or `N_LEVELS` over its range.
+        Increasing levels. Levels between them are interpolated. By default the levels of the procedure, or `N_LEVELS`
+        levels over its range.
     contact : Contact
-        By default the contact that the cell requests.
+        Contact of the finger, by default the one that the cell requests.
     """
     contact = contact_of(cell) if contact is None else contact
     rule = cell.procedure.rule
@@ -76,7 +77,7 @@ def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact:
 class Unfelt:
     """Condition with an imperceptible strongest level or a weak standard.
 
-    `sensation_db` is the sensation level there, None if nothing is felt.
+    `sensation_db` is the sensation level of this level or standard. It is None if nothing is felt.
     """
 
     condition: str
@@ -86,7 +87,7 @@ class Unfelt:
 
     @property
     def line(self) -> str:
-        """State the condition as a warning.
+        """Warning about the condition.
 
         >>> Unfelt("frequency_hz 60", "36 dB re 1 V", -28.74).line
         'WARNING: even the strongest level (36 dB re 1 V) is 28.7 dB below the predicted threshold at frequency_hz 60'
@@ -107,11 +108,11 @@ class Unfelt:
 def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfelt]:
     """Yield conditions whose strongest level or standard is too weak.
 
-    The physics predicts it. With `simulated`, thresholds that the observer states are used if there are any.
+    Sensation is predicted by the physics. With `simulated`, thresholds stated by the observer take precedence.
     """
     middle, task = experiment.people.middle, experiment.task
     for cell in experiment.cells.values():
-        if isinstance(cell.sensation, Unseen):  # its code may not run
+        if isinstance(cell.sensation, Unseen):  # custom code is not allowed to run
             continue
         checked = [(cell.procedure.rule.bounds[1], -TOLERATED_DB, False)]
         if isinstance(task, AgainstStandard):
@@ -127,9 +128,10 @@ def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfel
 
 @dataclass(frozen=True)
 class PredictedJnd:
-    """JND of a condition in the unit of the level; None beyond the levels.
+    """Predicted JND of a condition, in the unit of the level.
 
-    Lapses are left out. If the skin model `feels_touch`, so are variations of force and speed between touches.
+    The JND is None if it lies above the highest level. Lapses are ignored. With `feels_touch`, variations of force and
+    speed between touches are ignored too.
     """
 
     condition: str
@@ -139,19 +141,19 @@ class PredictedJnd:
 
     @property
     def line(self) -> str:
-        """The prediction in words.
+        """Prediction in words.
 
         >>> PredictedJnd("force_n 1", "40 dB re 1 V", 1.234).line
-        'predicted JND at the standard of 40 dB re 1 V: 1.23 dB at force_n 1 (steady touch; varying ones add to it)'
+        'predicted JND at the standard of 40 dB re 1 V: 1.23 dB at force_n 1 (constant touch; variation increases it)'
         """
         unit = self.standard.partition(" ")[2].partition(" re ")[0]
         size = "above the highest level" if self.jnd is None else f"{self.jnd:.2f} {unit}".rstrip()
-        steady = " (steady touch; varying ones add to it)" if self.feels_touch else ""
+        steady = " (constant touch; variation increases it)" if self.feels_touch else ""
         return f"predicted JND at the standard of {self.standard}: {size}{_at(self.condition)}{steady}"
 
 
 def predicted_jnds(experiment: Experiment) -> Iterator[PredictedJnd]:
-    """Yield the JND of each comparison condition for built-in observers."""
+    """Yield the JND of each condition of a comparison, for built-in observers."""
     if not isinstance(experiment.task, Comparison):
         return
     standard, people = experiment.task.standard_level, experiment.people.middle
@@ -168,9 +170,9 @@ def predicted_jnds(experiment: Experiment) -> Iterator[PredictedJnd]:
 
 
 def _of_signal(cell: WiredCell, people: SignalDetectionObserver, standard: float) -> float | None:
-    """Return the JND above the standard, called stronger in 75 % of trials.
+    """Return the JND: the level increment judged stronger in 75 % of trials.
 
-    Each of the two intervals has its own noise.
+    The noise of the two intervals is independent.
     """
     from scipy.optimize import brentq  # slow to load
 

@@ -1,4 +1,4 @@
-"""Procedures of a study: their kinds, tables and rules."""
+"""Procedures of a study: kinds, tables and rules."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,10 +20,11 @@ from .kinds import PROCEDURES, ProcedureKind
 
 GUESS_RATE_TOLERANCE = 0.05
 HIGHEST_FALSE_ALARMS = 0.3
-"""Largest difference of a rule's guess rate from chance, and largest one for "yes" answers (unverified defaults)."""
+"""Largest difference of a procedure's guess rate from chance, and largest guess rate for "yes" answers (unverified
+defaults)."""
 SAYS_YES = {
-    "yes_no": "the rate of false alarms, as 0.02",
-    "comparison": "the rate of 'more' far below the standard, as 0.02",
+    "yes_no": "the false-alarm rate, such as 0.02",
+    "comparison": "the rate of 'more' far below the standard, such as 0.02",
 }
 """Expected guess rate of tasks without a chance level."""
 
@@ -41,12 +42,12 @@ class TracksTable:
     Parameters
     ----------
     shared : bool
-        Share everything but the threshold between interleaved tracks (QUEST+ and psi).
+        Share all parameters except the threshold between interleaved tracks (QUEST+ and psi).
     easy_share : float
-        Share of trials far above threshold, which show the lapse rate (adaptive procedures). Each group of
-        round(1 / `easy_share`) trials has one; they are part of the trials of the track.
+        Share of trials far above threshold, which reveal the lapse rate (adaptive procedures). Each group of round(1 /
+        `easy_share`) trials contains one easy trial. Easy trials count as trials of the track.
     easy_level : float, optional
-        Level of these trials; by default the highest level.
+        Level of easy trials, by default the highest level.
     """
 
     shared: bool = False
@@ -56,7 +57,7 @@ class TracksTable:
 
 @dataclass(frozen=True)
 class ReadyProcedure:
-    """Rule of a study and how the tracks of a block use it."""
+    """Rule of a study, and settings for its tracks."""
 
     rule: Rule[Any]
     tracks: TracksTable = field(default_factory=TracksTable)
@@ -72,7 +73,7 @@ class ReadyProcedure:
 
 
 def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
-    """Build the rule of the table `procedure`, or raise `InvalidParameter`."""
+    """Build the rule of the table `procedure`. Raises `InvalidParameter`."""
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
     reader, of_tracks = resolve(kind.table), fields_of(TracksTable)
     check_keys(table, (*fields_of(reader), *of_tracks, "kind"), "procedure", read_by=reader)
@@ -87,24 +88,24 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
 def _check_tracks(tracks: TracksTable, name: str, rule: Rule[Any]) -> None:
     able = " or ".join(other for other, kind in PROCEDURES.items() if kind.can_be_shared)
     may_share = PROCEDURES[name].can_be_shared or not tracks.shared
-    expect(may_share, "procedure.shared", f"true with {name}", f"it with {able} only")
+    expect(may_share, "procedure.shared", f"true with {name}", f"it only with {able}")
     share, level = tracks.easy_share, tracks.easy_level
-    adaptive = "0: its levels do not follow the answers, so add an easy one to them; remove the key"
+    adaptive = "0, as its levels do not depend on the answers; add an easy level instead"
     expect(PROCEDURES[name].takes_easy_trials or not share, "procedure.easy_share", f"{share:g} with {name}", adaptive)
     expect(level is None or share > 0, "procedure.easy_level", f"{level} without easy_share", "a share of easy trials")
     low, high = rule.bounds
-    within = f"a level from {low:g} to {high:g}, those of the procedure"
+    within = f"a level of the procedure, from {low:g} to {high:g}"
     expect(level is None or low <= level <= high, "procedure.easy_level", f"{level}", within)
 
 
 def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> None:
-    """Refuse a rule whose guess rate contradicts that of the task.
+    """Reject a rule whose guess rate contradicts that of the task.
 
     Raises
     ------
     InvalidParameter
-        If no rate is within `GUESS_RATE_TOLERANCE` of chance in a forced choice, or all are above
-        `HIGHEST_FALSE_ALARMS` where participants say yes or no.
+        If no rate is within `GUESS_RATE_TOLERANCE` of chance in a forced choice, or all rates exceed
+        `HIGHEST_FALSE_ALARMS` in a task without a chance level.
     """
     kind = kind_of(procedure, "procedure", PROCEDURES)
     fields = resolve(kind.table).__dataclass_fields__
@@ -114,7 +115,7 @@ def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> 
     stated = procedure.get(name, fields[name].default)
     rates = stated if isinstance(stated, list | tuple) else (stated,)
     found = f"{', '.join(f'{rate:g}' for rate in rates)}{'' if name in procedure else ' by default'}"
-    found += f" where the task is {task.get('kind')}"
+    found += f" in the task {task.get('kind')}"
     if task.get("kind") == "forced_choice":
         chance = 1 / task.get("n_intervals", 2)
         is_near = any(abs(rate - chance) <= GUESS_RATE_TOLERANCE for rate in rates)

@@ -9,7 +9,7 @@ from tactometry.questionnaire import Questionnaire
 Prompt = str | dict[str, str]
 """Text for every language, or texts by two-letter language code."""
 ASKED_BY = {"magnitude": ("how_strong",), "adjustment": ("adjust",), "measurement": ("vibrometer_nm",)}
-"""Messages of tasks without a choice."""
+"""Messages of tasks that ask for no choice."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class PromptTable:
     Parameters
     ----------
     prompt : str or mapping of str to str
-        Question that replaces the shipped one: a text, or one for each language.
+        Question that replaces the built-in one: one text, or a text for each language.
     """
 
     prompt: Prompt = ""
@@ -32,11 +32,11 @@ def check_prompt(prompt: Prompt, where: str) -> None:
     """Raise `InvalidParameter` for a prompt with an empty text."""
     texts = prompt.values() if isinstance(prompt, dict) else [prompt or "?"]
     says_something = all(text.strip() for text in texts)
-    expect(says_something, where, "a text that says nothing", "what participants are asked; or leave it out")
+    expect(says_something, where, "an empty text", "the question for participants; or remove the key")
 
 
 def by_language(prompt: Prompt) -> dict[str, str]:
-    """Return a prompt by language, English if none is stated.
+    """Return a prompt by language. A single text counts as English.
 
     >>> by_language("Rough?"), by_language({"fr": "Rugueux ?"}), by_language("")
     ({'en': 'Rough?'}, {'fr': 'Rugueux ?'}, {})
@@ -45,12 +45,12 @@ def by_language(prompt: Prompt) -> dict[str, str]:
 
 
 def prompted(form: Questionnaire, prompt: Prompt) -> Questionnaire:
-    """Return a questionnaire with a stem of the study."""
+    """Return a questionnaire with the study's prompt as its stem."""
     return replace(form, stem=by_language(prompt)) if prompt else form
 
 
 def messages_of(kind: str, questions: Iterable[str]) -> tuple[str, ...]:
-    """Return the messages of a task's questions.
+    """Return the messages that present a task's questions.
 
     >>> messages_of("yes_no", ["felt"]), messages_of("magnitude", [])
     (('felt',), ('how_strong',))

@@ -1,4 +1,4 @@
-"""Checks of a study's texts, prompts and images on all pages."""
+"""Check a study's texts, prompts and images on all pages."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -17,16 +17,16 @@ from .prompts import by_language
 from .session_plan import all_sessions, stream
 
 WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "declined", "practice_missed"))
-"""Pages within a block, and those of consent and of a missed practice."""
+"""Messages of pages within a block, for consent, and after a missed practice criterion."""
 
 
 def rehearse(experiment: Experiment) -> None:
-    """Refuse keys without effect, and fill in all texts of a study.
+    """Reject keys without effect, and check all texts of a study.
 
     Raises
     ------
     InvalidParameter
-        If a key of the task has no effect, or a text has an unknown name or cannot be filled in on its page.
+        If a key of the task has no effect, or a text has an unknown name or its placeholders cannot be filled in.
     """
     study = experiment.study
     with rewording(lambda words: f"{experiment.where}, {words}"):
@@ -45,14 +45,14 @@ def rehearse(experiment: Experiment) -> None:
 def _rehearse_texts(
     experiment: Experiment, where: str, own: Mapping[str, str], words: Mapping[str, str], language: str
 ) -> None:
-    """Check that each custom text has a page and can be filled in there."""
+    """Check that each custom text has a page and valid placeholders."""
     with rewording(lambda said: f"{where}: {said}"):
-        texts = replace(texts_in(language, words), shipped={})  # no shipped text may replace a flawed one
+        texts = replace(texts_in(language, words), shipped={})  # a built-in text must not hide an invalid one
     known = texts_in(language, {})
     levels = {level for levels in experiment.study.factors.values() for level in levels if isinstance(level, str)}
     names = sorted({*known.messages, *known.labels, *levels})
     for name in own:
-        expected = f"a name in {LIST}, or a level that is a text{nearest(name, names, N_NEAREST)}"
+        expected = f"a name in {LIST}, or a textual level{nearest(name, names, N_NEAREST)}"
         expect(name in names, f"{where}.{name}", "a text that no page shows", expected)
     shown = set()
     for page in _pages(experiment) if own else ():
@@ -74,15 +74,15 @@ def _refuse_idle(experiment: Experiment) -> None:
     options, study = experiment.table.options, experiment.study
     for name in ("title", "description"):
         is_text = bool(getattr(study, name).strip())
-        expect(is_text, name, "nothing", "a text for the data set's description")
+        expect(is_text, name, "nothing", "a text, used in the description of the data set")
     if options.rest_s is not None:
         alone = f"{options.rest_s:g} s without rest_after"
         comes = options.rest_after is not None or options.rest_every_s is not None
-        expect(comes, "task.rest_s", alone, "both, or rest_every_s: no rest comes")
+        expect(comes, "task.rest_s", alone, "rest_after or rest_every_s too, as no rest occurs")
     has_tracks = bool(study.plan.interleave) or experiment.table.task_kind.n_together is not None
     idle = f"{options.interleaving!r} without interleaved tracks"
     has_effect = options.interleaving == "random" or has_tracks
-    expect(has_effect, "task.interleaving", idle, "factors in plan.interleave; or leave it out")
+    expect(has_effect, "task.interleaving", idle, "factors in plan.interleave; or remove the key")
 
 
 def _pages(experiment: Experiment) -> Iterator[Show]:
@@ -99,12 +99,12 @@ def _fill(texts: Texts, shown: Show | str, where: str) -> None:
 
 
 def page_images(experiment: Experiment) -> dict[str, PageImage]:
-    """Return the images of a window's pages by message, after checking them.
+    """Check the images of a window's pages, and return them by message.
 
     Raises
     ------
     InvalidParameter
-        If a file is missing, differs from the one that the study states, or is no image.
+        If a file is missing, differs from the stated digest, or is not an image.
     """
     study = experiment.study
     located = {name: replace(table, path=study.beside(table.path)) for name, table in study.images.items()}
@@ -113,12 +113,12 @@ def page_images(experiment: Experiment) -> dict[str, PageImage]:
 
 
 def rehearse_forms(experiment: Experiment, language: str) -> None:
-    """Check the words of every item and prompt in the language of a rig.
+    """Check that all items and prompts have texts in the language of a rig.
 
     Raises
     ------
     InvalidParameter
-        If a questionnaire has none, or a prompt has none in this language or English.
+        If a questionnaire has no texts in this language, or a prompt has none in it or in English.
     """
     asked: tuple[Questionnaire | ChoiceForm, ...] = (*experiment.questionnaires, *experiment.choices)
     forms = {f"questionnaire {form.name}": (form.languages, language in form.languages) for form in asked}
@@ -129,12 +129,12 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
 
 
 def flaw(experiment: Experiment, root: Path) -> str | None:
-    """Return the error in the texts of a study that already has sessions.
+    """Return an error in the texts of a study that already has sessions.
 
     Raises
     ------
     InvalidParameter
-        As `rehearse`, before the first session.
+        As for `rehearse`, before the first session.
     """
     try:
         rehearse(experiment)
@@ -142,5 +142,5 @@ def flaw(experiment: Experiment, root: Path) -> str | None:
         if not (root / "study.toml").exists():
             raise
         is_text = str(error).startswith((f"{experiment.where}, texts: ", f"{experiment.where}, translations."))
-        return f"{error}{'; the shipped text is shown in its place' if is_text else ''}"
+        return f"{error}{'; the built-in text is shown instead' if is_text else ''}"
     return None

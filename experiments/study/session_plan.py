@@ -1,6 +1,6 @@
-"""Parts of a session, from study, participant number, session and seed.
+"""Parts of a session, by study, participant number, session and seed.
 
-Random streams depend on their participant, session and purpose, but never on earlier draws.
+Each random stream depends on participant, session and purpose, but never on earlier draws.
 """
 
 import itertools
@@ -29,12 +29,12 @@ Key = tuple[tuple[str, float | str], ...]
 
 
 def key_of(factors: Factors) -> Key:
-    """Return a cell as a key."""
+    """Return the key of a cell."""
     return tuple(sorted(factors.items()))
 
 
 def nested_levels(study: Study) -> dict[str, dict[float | str, dict[str, Levels]]]:
-    """Return nested levels by the levels instead of their names in the file."""
+    """Return nested levels by level, instead of by its text in the file."""
     return {
         factor: {level: by_name[cell_text(level)] for level in study.factors[factor] if cell_text(level) in by_name}
         for factor, by_name in study.nested.items()
@@ -42,7 +42,7 @@ def nested_levels(study: Study) -> dict[str, dict[float | str, dict[str, Levels]
 
 
 def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[float | str]]) -> Crossing[float | str]:
-    """Return the factors in order, those of sessions the slowest."""
+    """Return the crossing of factors. Factors of sessions vary slowest."""
     plan = study.plan
     slow = [*plan.between, *plan.sessions, *study.counterbalance]
     rest = [name for name in factors if name not in plan.interleave]
@@ -61,30 +61,30 @@ def session_cells(
     InvalidParameter
         If the number is below 1, or the study has no such session.
     """
-    expect(number >= 1, "participant number", number, "a number from 1; give --number")
+    expect(number >= 1, "participant number", number, "a number from 1; state --number")
     sessions = all_sessions(study, over, number, seed)
     if not study.plan.sessions:
         return sessions[0]  # all sessions are the same
-    expect(n_session <= len(sessions), "--session", n_session, f"from 1 to {len(sessions)}, as the plan has")
+    expect(n_session <= len(sessions), "--session", n_session, f"from 1 to {len(sessions)}, the sessions of the plan")
     return sessions[n_session - 1]
 
 
 def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list[list[dict[str, float | str]]]:
-    """Return the cells of every session of a participant that differs."""
+    """Return the cells of each distinct session of a participant."""
     plan = study.plan
     groups = combinations({name: study.factors[name] for name in plan.between})
-    # Participants go through the groups in turn, and within each group through the rows of its orders.
+    # Participants are assigned to groups in turn, and within a group to the rows of its orders.
     row, group = divmod(number - 1, len(groups))
     factors = {**study.factors, **{name: (level,) for name, level in groups[group].items()}}
     cells = crossing_of(study, over, factors).cells(row, stream(seed, "order", number))
-    # The factors of sessions are the slowest: the cells of one session follow each other.
+    # Factors of sessions vary slowest, so the cells of one session are consecutive.
     by_session = itertools.groupby(cells, lambda cell: [cell[name] for name in plan.sessions])
     return [list(of_session) for _, of_session in by_session]
 
 
 @dataclass(frozen=True)
 class SessionPlan:
-    """Parts of a study's sessions, from its cells and forms by inquiry."""
+    """Plan of a study's sessions, from its cells and its forms by inquiry."""
 
     study: Study
     table: TaskTable
@@ -93,9 +93,9 @@ class SessionPlan:
     forms: Mapping[str, Questionnaire | ChoiceForm]
 
     def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
-        """Return practice, blocks and questionnaires of a session in order.
+        """Return practice, blocks and questionnaires of a session, in order.
 
-        `rng` shuffles within blocks.
+        `rng` draws the orders within blocks.
         """
         factors = session_cells(self.study, self.table.over, number, n_session, seed)
         blocks = [self._block(list(group), rng) for _, group in itertools.groupby(factors, self._slow)]
@@ -115,7 +115,7 @@ class SessionPlan:
                 yield Inquiry(self.forms[name], table.shuffled, empty, condition, **order)
 
     def _practice(self, first: Block) -> list[Block]:
-        """Return one track of the first block, with feedback, without rests."""
+        """Return the practice: one track of the first block, with feedback."""
         if self.practice is None:
             return []
         track = replace(first.tracks[0], procedure=self.practice, name=None)
@@ -123,7 +123,7 @@ class SessionPlan:
         return [replace(first, tracks=(track,), options=options, practice=True)]
 
     def _block(self, group: Sequence[Factors], rng: np.random.Generator) -> Block:
-        """Return a block of interleaved cells with the first one's procedure."""
+        """Return a block of interleaved cells, with the first cell's procedure."""
         conditions = dict(named for factors in group for named in self._conditions(factors))
         procedures = self._cell(group[0]).procedure.for_tracks(list(conditions), rng)
         tracks = [
@@ -133,12 +133,12 @@ class SessionPlan:
         return Block(tuple(tracks), self.table.task, self.table.options)
 
     def _cell(self, factors: Factors) -> WiredCell:
-        over = self.table.over  # alternatives share touch and procedure of the first one
+        over = self.table.over  # alternatives share the touch and procedure of the first alternative
         full = factors if over is None else {**factors, over: self.study.factors[over][0]}
         return self.cells[key_of(full)]
 
     def _conditions(self, factors: Factors) -> Iterator[tuple[str, Condition]]:
-        """Yield the conditions of a cell with the names of their tracks."""
+        """Yield the conditions of a cell, with the names of their tracks."""
         condition, over = self._cell(factors).condition, self.table.over
         name = ", ".join(f"{key}={cell_text(factors[key])}" for key in self.study.plan.interleave)
         if over is None:
@@ -157,21 +157,21 @@ class SessionPlan:
 
 
 def places_of(stimulus: Stimulus) -> tuple[Place, ...]:
-    """Return the places where a stimulus is made, if it has any."""
+    """Return the places at which a stimulus is presented, if it has any."""
     return getattr(stimulus, "places_made_m", ())
 
 
 def all_cells(study: Study) -> list[dict[str, float | str]]:
-    """Return every cell of the design, of all groups and sessions."""
+    """Return all cells of the design, over all groups and sessions."""
     crossing = Crossing[float | str](study.factors, {}, nested_levels(study))
-    cells = crossing.cells(0, np.random.default_rng(0))  # all orders are fixed: nothing is drawn
+    cells = crossing.cells(0, np.random.default_rng(0))  # all orders are fixed, so nothing is drawn
     return [{name: cell[name] for name in study.factors} for cell in cells]
 
 
 def stream(seed: int, *keys: str | int) -> np.random.Generator:
-    """Return the random generator of `seed` for a purpose.
+    """Return the random generator for a seed and keys.
 
-    Equal keys give equal streams, and other keys independent ones.
+    Equal keys give equal streams, different keys independent ones.
 
     >>> stream(1, "P01", 1, "protocol").integers(1000) == stream(1, "P01", 1, "protocol").integers(1000)
     np.True_

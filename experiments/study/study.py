@@ -1,4 +1,4 @@
-"""Tables of a study file."""
+"""Data classes for the tables of a study file."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -25,7 +25,7 @@ Levels = tuple[float | str, ...]
 @dataclass(frozen=True)
 @constrained
 class PlanTable:
-    """How cells become sessions and blocks, in addition to `counterbalance`.
+    """Division of cells into sessions and blocks, beyond `counterbalance`.
 
     Parameters
     ----------
@@ -36,10 +36,10 @@ class PlanTable:
     interleave : tuple of str
         Factors whose levels are interleaved in one block, as tracks.
     orders : mapping of str to tuple of str
-        Factors by the rule of their order: ``williams`` (as those in `counterbalance`), ``complete``, ``random``;
-        others are fixed.
+        Factors by the rule of their order: ``williams`` (like those in `counterbalance`), ``complete`` or ``random``.
+        Other factors have a fixed order.
     longest_s : float or None
-        Latest start of a block within a session.
+        Latest time in a session at which a block may start.
     """
 
     between: tuple[str, ...] = ()
@@ -50,12 +50,12 @@ class PlanTable:
 
     @property
     def rules(self) -> dict[str, str]:
-        """Rules by factor."""
+        """Rules of order by factor."""
         return {name: rule for rule, names in self.orders.items() for name in names}
 
     @property
     def named(self) -> tuple[tuple[str, str], ...]:
-        """Keys with each factor that they name."""
+        """Pairs of a key and a factor that it names."""
         lists = {"between": self.between, "sessions": self.sessions, "interleave": self.interleave}
         orders = {f"orders.{rule}": names for rule, names in self.orders.items()}
         return tuple((key, name) for key, names in (lists | orders).items() for name in names)
@@ -63,20 +63,20 @@ class PlanTable:
 
 @dataclass(frozen=True)
 class InquiryTable:
-    """Questionnaire apart from the task.
+    """Questionnaire in addition to the task.
 
     Parameters
     ----------
     form : str
-        The questionnaire: a shipped one, or one of `[forms]`.
+        Name of a built-in questionnaire, or of one in `[forms]`.
     after : str
-        Time of the questionnaire: after the ``start``, each ``block`` or the ``session``.
+        Time of the questionnaire: ``start`` of the session, or after each ``block`` or the ``session``.
     shuffled : bool
-        Draw the order of the items for each participant.
+        Draw the order of the items separately for each participant.
     prompt : str or mapping of str to str
-        Text above its pages, which replaces its stem: a text, or one for each language.
+        Text above the pages, which replaces the stem: one text, or a text for each language.
     identifies : bool
-        Allow numbers about a person, which could identify that person.
+        Allow numbers about participants, which could identify them.
     """
 
     form: str
@@ -94,49 +94,48 @@ class InquiryTable:
 class Study:
     """One experiment.
 
-    Tables whose keys depend on their `kind` are kept unchanged and built in `cells`. `analysis` holds the keys of
+    Tables whose keys depend on `kind` are stored unchanged and built in `cells`. `analysis` contains the keys of
     `tactometry.analysis.plan.AnalysisPlan`.
 
     Parameters
     ----------
     name : str
-        Lower-case letters and digits joined by hyphens. It is used in file names and in the column `study`.
+        Lower-case letters and digits, joined by hyphens. Used in file names and in the column `study`.
     title : str
         Title in reports and lists.
     description : str
-        One or two sentences for readers of the data.
+        One or two sentences for those who read the data.
     task : mapping
-        ``kind`` of task, and its keys: the participant's question.
+        ``kind`` and keys of the task: the question for the participant.
     factors : mapping of str to list
-        Factors by name, each with its levels. All combinations are run.
+        Levels of each factor, by name. All combinations are run.
     stimulus : mapping
-        ``kind`` of stimulus, and its keys: the played signal.
+        ``kind`` and keys of the stimulus: the played signal.
     touch : mapping
-        ``kind`` of touch, and its keys: the contact of the finger.
+        ``kind`` and keys of the touch: the contact of the finger.
     procedure : mapping
-        ``kind`` of procedure, and its keys: the choice of the next level.
-    limits : Limits
-        Limits of every signal.
+        ``kind`` and keys of the procedure: the choice of the next level.
+    limits : Limits Limits for every signal.
     counterbalance : tuple of str
-        Factors whose order changes with the participant's number, the outer one first.
+        Factors whose order changes with the participant's number, outermost first.
     trial_s : float
         Assumed duration of a trial, for the estimate of `run --dry-run`.
     consent : bool
-        Ask for the participant's consent. Without it, the session asks nothing else.
+        Ask for the participant's consent. If it is declined, the session ends.
     plan : PlanTable
         Table of the sessions, groups and orders of participants.
     nested : mapping
-        Levels of a factor within a level of another.
+        Levels of a factor, by level of another factor.
     variants : mapping
-        Changes by a factor's level to the tables of stimulus, touch, procedure, sensation and scene.
+        Changes to the tables stimulus, touch, procedure, sensation and scene, by level of a factor.
     practice : mapping
         Easy trials before the first block.
     inquiries : mapping of str to InquiryTable
-        Questionnaires apart from the task, by name.
+        Questionnaires in addition to the task, by name.
     forms : mapping
-        Custom questionnaires by name, or the `path` of the file of each.
+        Custom questionnaires by name. Each is a table, or the `path` of a file.
     scene : mapping
-        Physics between stimulus and skin of simulated participants. It replaces `sensation`.
+        Physics between stimulus and skin of simulated participants. Replaces `sensation`.
     sensation : mapping
         Sensation model of simulated participants.
     observer : mapping
@@ -144,7 +143,7 @@ class Study:
     finger : SimulatedFinger
         Touch of simulated participants.
     texts : mapping of str to str
-        Texts for participants, which replace the shipped ones, by message.
+        Texts for participants by message, which replace the built-in ones.
     translations : mapping
         Texts by language, which override `texts`.
     images : mapping of str to ImageTable
@@ -183,7 +182,7 @@ class Study:
 
     def __post_init__(self) -> None:
         is_name = STUDY.fullmatch(self.name) is not None
-        expect(is_name, "name", repr(self.name), "words of small letters and digits joined by hyphens")
+        expect(is_name, "name", repr(self.name), "lower-case letters and digits joined by hyphens")
         expect(len(self.name) <= LONGEST_NAME, "name", f"{len(self.name)} letters", f"at most {LONGEST_NAME}")
         expect(0 < self.trial_s < inf, "trial_s", f"{self.trial_s:g}", "above 0")
         _check_factors(self.factors)
@@ -196,19 +195,20 @@ class Study:
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """Warnings for a session about permissive settings of the study."""
+        """Warnings about permissive settings of the study, printed by a session."""
         return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
 
     def beside(self, path: str) -> str:
-        """Return a file's path as seen from the study, or else as it is.
+        """Return a file's path relative to the study's folder, or unchanged.
 
-        A data set contains a copy of the study without its files.
+        The path is unchanged if the file exists only there. A data set contains a copy of the study file without other
+        files.
         """
         located = self._folder / path
         return path if Path(path).exists() and not located.exists() else str(located)
 
     def words_in(self, language: str) -> dict[str, str]:
-        """Return the study's texts in a two-letter language."""
+        """Return the study's texts in a language, by its two-letter code."""
         return self.texts | self.translations.get(language, {})
 
 
@@ -222,7 +222,7 @@ def _check_analysis(study: Study) -> None:
 def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:
     for name, levels in factors.items():
         path = f"factors.{name}"
-        expect(name not in RESERVED, path, "a name that is a column of every trials table", "another")
+        expect(name not in RESERVED, path, "the name of a column in every trials table", "another name")
         expect(len(levels) > 0, path, "an empty list", "at least one level")
         _check_levels(path, levels)
     n_cells = prod(map(len, factors.values()))
@@ -233,16 +233,16 @@ def _check_levels(path: str, levels: Levels) -> None:
     for n, level in enumerate(levels):
         if isinstance(level, str):
             is_line = bool(level.strip()) and level.isprintable()
-            expect(is_line, f"{path}[{n}]", repr(level), "a text of one line that says something")
+            expect(is_line, f"{path}[{n}]", repr(level), "a non-empty text of one line")
         else:
             expect(isfinite(level), f"{path}[{n}]", level, "a finite number or a text")
-    n_again = first_repeat(_texts(levels))  # a number and its text name the same level of a nested or varied table
+    n_again = first_repeat(_texts(levels))  # in nested or varied tables, a number and its text are the same level
     if n_again is not None:
         raise InvalidParameter(f"{path}[{n_again}]: found {levels[n_again]!r} twice, expected each level once")
 
 
 def _check_plan(study: Study) -> None:
-    """Refuse unknown factors and levels in plan, nested levels and variants."""
+    """Reject unknown factors and levels in plan, nested levels and variants."""
     for key, name in study.plan.named:
         _check_name(name, study.factors, f"plan.{key}", "a factor")
     _check_places(study.plan)
@@ -262,17 +262,17 @@ def _check_plan(study: Study) -> None:
 
 
 def _check_places(plan: PlanTable) -> None:
-    """Refuse a factor that varies in two places."""
+    """Reject a factor in two keys of the plan."""
     placed: dict[str, str] = {}
     for key in ("between", "sessions", "interleave"):
         for name in getattr(plan, key):
-            twice = f"{name!r}, which is in plan.{placed.get(name)} too"
+            twice = f"{name!r}, which is also in plan.{placed.get(name)}"
             expect(name not in placed, f"plan.{key}", twice, "each factor once")
             placed[name] = key
 
 
 LONGEST_NAME, MOST_CELLS = 100, 2000
-"""A study's name is part of file names. Each combination of levels is wired."""
+"""Longest name of a study, as it is part of file names, and largest number of cells."""
 VARIED = ("stimulus", "touch", "procedure", "sensation", "scene")
 
 
@@ -286,5 +286,5 @@ def _check_name(name: str, known: Collection[str], where: str, what: str) -> Non
 
 
 def no_such(where: str, name: str, what: str, known: Collection[str]) -> InvalidParameter:
-    """Return an error for an unknown name, with known and similar names."""
+    """Return an error for an unknown name that lists known and similar names."""
     return InvalidParameter(f"{where}: found {name!r}, expected {what} ({', '.join(known)}){nearest(name, known)}")

@@ -1,4 +1,4 @@
-"""Study files: strict reading, with all mistakes reported at once."""
+"""Read study files strictly, and report all mistakes at once."""
 
 import os
 import re
@@ -18,7 +18,7 @@ from .study import Study
 
 FOLDER = Path(__file__).parents[1]
 PATH: Final = "path"
-"""Key of the file of a questionnaire."""
+"""Key with the file of a questionnaire."""
 
 
 def parse(content: bytes, where: str) -> Study:
@@ -29,7 +29,7 @@ def parse(content: bytes, where: str) -> Study:
     Raises
     ------
     InvalidFile
-        If the bytes are no TOML in UTF-8, or a key or value is invalid.
+        If the bytes are not TOML in UTF-8, or a key or value is invalid.
     """
     table = table_of(content, where, "a study file")
     with errors_in(where):
@@ -47,7 +47,7 @@ def parse(content: bytes, where: str) -> Study:
 
 
 def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
-    """Find mistakes in the other tables of a study with `wrong` keys."""
+    """Raise the mistakes in tables of a study other than the `wrong` ones."""
     from .experiment import wire
 
     stand_ins = {"name": "study", "title": "", "description": "", "limits": {}}
@@ -57,7 +57,7 @@ def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
         wire(build(Study, stand_ins | rest, ""), "", plays=False)
     except (InvalidParameter, InvalidFile) as error:
         found.add(reworded(error, InvalidParameter, lambda words: words.removeprefix(", ")))
-    # Errors about a table or number that was left out here are spurious.
+    # Errors about tables or numbers that were removed here are spurious.
     spurious = re.compile(r"\b(limits|nan)\b" if "limits" in wrong else r"\bnan\b")
     found.errors = [error for error in found.errors if _first_key(error) in rest and not spurious.search(str(error))]
     found.end()
@@ -83,13 +83,13 @@ def locate(study: str) -> Path:
     Raises
     ------
     InvalidFile
-        If there is neither a study of that name nor such a file.
+        If neither a built-in study nor a file has this name.
     """
     path = shipped().get(study, Path(study))
     if os.path.lexists(path):
         return path
     raise InvalidFile(
-        f"{study}: found no such file nor built-in study, expected a path to a study file or one of "
+        f"{study}: found no such file or built-in study, expected a path to a study file or one of "
         f"{', '.join(shipped())}{nearest(study, shipped())}"
     )
 
@@ -100,19 +100,19 @@ def folder_of(study: str) -> Path:
 
 
 def load(study: str) -> tuple[Study, bytes]:
-    """Read a study, and the bytes of its file with inserted questionnaires."""
+    """Return a study, and the bytes of its file with inserted questionnaires."""
     path = locate(study)
     content = with_forms(read_file(path, "a study file", LARGEST_FILE), path)
     return parse(content, str(path) if study not in shipped() else study), content
 
 
 def with_forms(content: bytes, path: Path) -> bytes:
-    """Insert the tables of `[forms.NAME]` files into a study file's bytes.
+    """Insert questionnaires from files of `[forms.NAME]` into a study's bytes.
 
     Raises
     ------
     InvalidFile
-        If such a file cannot be read, or is no questionnaire; the message starts with it.
+        If such a file cannot be read or is not a questionnaire. The message starts with its path.
     """
     forms = table_of(content, str(path), "a study file").get("forms")
     tables = forms if isinstance(forms, Mapping) else {}
@@ -131,19 +131,19 @@ def with_forms(content: bytes, path: Path) -> bytes:
 
 
 def _check_path(folder: Path, named: object, where: str) -> None:
-    expect(isinstance(named, str), where, repr(named), "a text, the name of a file")
+    expect(isinstance(named, str), where, repr(named), "a text with the name of a file")
     is_folder = not str(named).strip() or (folder / str(named)).is_dir()
     what = "a folder" if str(named).strip() else "no name"
-    expected = "the name of a file with a questionnaire, as seen from the study file"
+    expected = "the path of a questionnaire's file, relative to the study file"
     expect(not is_folder, where, f"{named!r}, {what}", expected)
 
 
 def _table_of_file(path: Path, name: str) -> dict[str, Any]:
-    """Return the table of a questionnaire that a study calls `name`."""
+    """Return the table of a questionnaire. `name` is its name in the study."""
     what = "a questionnaire"
     table = table_of(read_file(path, what, LARGEST_FILE), str(path), what)
     with errors_in(path):
         stated = table.pop("name", name)
-        expect(stated == name, "name", repr(stated), f"{name!r}, as the study calls it; or leave it out")
+        expect(stated == name, "name", repr(stated), f"{name!r}, its name in the study; or remove the key")
         form_of({"name": name, **table}, "")
     return table

@@ -1,4 +1,4 @@
-"""The task of a study, and how its blocks present it."""
+"""Task of a study, with the options of its blocks."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ from .prompts import Prompt, PromptTable, prompted
 from .study import Study, no_such
 
 TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
-"""Tasks by the names of their files."""
+"""Tasks by name, which is that of their file."""
 DECISIONS: Mapping[str, Decision] = {
     question: decision for kind in TASKS.values() for question, decision in kind.questions.items()
 }
@@ -41,10 +41,10 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
     Raises
     ------
     InvalidParameter
-        If there is no form of that name, or it is no scale.
+        If no form has this name, or it has no rating scale.
     """
     is_scale = not is_choices(study.forms.get(name)) and (name in study.forms or name not in shipped_choices())
-    expect(is_scale, path, f"{name!r}, a form of choices", "a questionnaire on a scale; ask it by an inquiry")
+    expect(is_scale, path, f"{name!r}, a form of choices", "a form with a rating scale; put choices in an inquiry")
     if name in study.forms:
         return questionnaires_of({name: study.forms[name]})[name]
     one_of(path, name, (*study.forms, *shipped_names()))
@@ -52,7 +52,7 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
 
 
 def choices_named(study: Study, name: str) -> ChoiceForm | None:
-    """Return a custom or shipped form of choices, or None without one.
+    """Return a custom or built-in form of choices, or None for other names.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
     Raises
     ------
     InvalidParameter
-        If there is no form of its name, or a form of choices has a key that only scales have.
+        If the form is unknown, or a form of choices has a key for rating scales only.
     """
     table, path = study.inquiries[inquiry], f"inquiries.{inquiry}"
     one_of(f"{path}.form", table.form, (*study.forms, *shipped_names(), *shipped_choices()))
@@ -78,13 +78,13 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
     if form is None:
         expect(not table.identifies, f"{path}.identifies", f"true with {table.form!r}, a scale", f"a form of {KIND}")
         return prompted(form_of(study, table.form, f"{path}.form"), table.prompt)
-    once = "'start': questions about a person come once, before anything is felt"
+    once = "'start', as questions about participants are asked once, before the stimuli"
     expect(table.after == "start", f"{path}.after", f"{table.after!r} with a form of {KIND}", once)
     for key, value in {"prompt": table.prompt, "shuffled": table.shuffled}.items():
-        alone = f"none: a form of {KIND} has the words and the order of its items"
+        alone = f"no value, as a form of {KIND} states its own texts and order"
         expect(not value, f"{path}.{key}", repr(value), alone)
     numbers = ", ".join(form.numbers) or "no number"
-    said = "true where numbers are asked, which could tell who somebody is; or ask in bands, without it"
+    said = "true only for numbers, which could identify a participant; or use bands"
     found = f"{str(table.identifies).lower()} with {numbers} in {form.name!r}"
     expect(table.identifies == bool(form.numbers), f"{path}.identifies", found, said)
     return form
@@ -106,7 +106,7 @@ class TaskTable:
 
 
 def task_of(study: Study) -> TaskTable:
-    """Build the table `task`, or raise `InvalidParameter`."""
+    """Build the table `task`. Raises `InvalidParameter`."""
     task_kind: TaskKind = kind_of(study.task, "task", TASKS)
     of_kind = fields_of(task_kind.table)
     names = ("kind", *of_kind, *fields_of(BlockOptions), *fields_of(PromptTable))
@@ -126,10 +126,10 @@ def task_of(study: Study) -> TaskTable:
 
 def _check(study: Study, table: TaskTable) -> None:
     rate, task = table.options.catch_rate, table.kind.replace("_", " ")
-    without = f"0: every trial of a {task} holds a stimulus; remove the key"
+    without = f"0, as every trial of a {task} contains a stimulus; remove the key"
     expect(rate == 0 or table.task.takes_catch_trials, "task.catch_rate", f"{rate:g} with {table.kind}", without)
     if table.over is not None and len(study.factors.get(table.over, ())) < 2:
-        raise no_such("task.over", table.over, "a factor of at least two levels", study.factors)
+        raise no_such("task.over", table.over, "a factor with at least two levels", study.factors)
 
 
 def dimensions_of(forms: Iterable[Questionnaire]) -> dict[str, dict[str, str]]:

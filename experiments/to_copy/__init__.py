@@ -1,1 +1,1 @@
-"""Studies to copy: one method each, as short as it can be. `tactometry new --list` names them."""
+"""Short studies to copy, one per method. See `tactometry new --list`."""

@@ -1,1 +1,1 @@
-"""Validation of procedures, fits and tests against known ground truth."""
+"""Validate procedures, fits and tests against known ground truth."""

@@ -1,4 +1,4 @@
-"""Checks of methods against a known truth."""
+"""Checks of methods against known ground truth."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -12,24 +12,24 @@ from scipy.stats import kstest
 from ..harness import departure, share_interval
 
 ALPHA: Final = 1e-4
-"""Probability below which a share departs from what is stated."""
+"""Significance level for the difference of a share from its stated value."""
 COVERAGE, LEVEL = 0.95, 0.05
 N_BINS: Final = 20
 VERDICTS: Final = {-1: "too few", 0: "", 1: "too many"}
 FEWEST: Final = 20
-"""Fewer outcomes have no verdict."""
+"""Smallest number of outcomes that get a verdict."""
 Estimate = tuple[float, float, float]
-"""An estimate with the ends of its interval."""
+"""Estimate, and the lower and upper end of its interval."""
 NO_ANSWER: Final[Estimate] = (math.nan, math.nan, math.nan)
 Simulate = Callable[[int, np.random.Generator], pd.DataFrame]
-"""Simulate so many sets; return a table with the columns of the check's keys and of its kind."""
+"""Function that simulates a number of sets. It returns a table with the columns of the check's keys and kind."""
 
 
 @dataclass(frozen=True)
 class Kind:
-    """Kind of outcomes, with its columns and summary.
+    """Kind of outcomes, with their columns and summary.
 
-    `columns` are those of an outcome, `row` summarises many outcomes, and `heads` names the columns of the page.
+    `columns` are the columns of an outcome. `row` summarises many outcomes. `heads` are the column heads on the page.
     """
 
     name: str
@@ -46,20 +46,20 @@ class Check:
     ----------
     title : str
     words : str
-        What is simulated, and the expected result.
+        Description of the simulation and of the expected result.
     kind : Kind
     keys : tuple of str
-        Columns that identify a row of the table; the last one names the method.
+        Columns that identify a row of the table. The last one names the method.
     settings : mapping of str to callable
-        Simulations by name.
+        Simulation functions by name.
     n_sets : int
-        Sets, groups or studies in a chunk of a setting.
+        Number of sets, groups or studies in a chunk of a setting.
     reasons : mapping of str to str
-        Why a method may differ from its stated value.
+        Reasons why a method may differ from its stated value, by method.
     figure : str
-        Name of the figure, or empty.
+        Name of the figure, or an empty text.
     method : str
-        Column of `keys` with the methods; the last one by default.
+        Column of `keys` with the methods, by default the last one.
     """
 
     title: str
@@ -79,7 +79,7 @@ class Check:
 
 
 def summary(kind: Kind, outcomes: pd.DataFrame, keys: tuple[str, ...]) -> pd.DataFrame:
-    """Return a row per setting and method, in order of appearance."""
+    """Return a row for each setting and method, in order of appearance."""
     groups = outcomes.groupby(list(keys), sort=False)
     return pd.DataFrame([dict(zip(keys, key, strict=True)) | kind.row(each) for key, each in groups])
 
@@ -114,7 +114,7 @@ def _estimates(outcomes: pd.DataFrame) -> dict[str, Any]:
 
 
 def _tests(outcomes: pd.DataFrame) -> dict[str, Any]:
-    """Return the share of p below 5 %, and of studies without a result."""
+    """Return the share of studies with p below 5 %, and without a result."""
     tested = outcomes["p"].notna()
     stated = LEVEL if not outcomes["effect"].any() else math.nan
     of_tested = _share(outcomes["p"][tested] < LEVEL, stated)
@@ -142,17 +142,17 @@ ESTIMATES = Kind(
         "none": "no value / %",
         "bias": "bias",
         "error_sd": "SD of error",
-        "share": "95 % interval holds / %",
+        "share": "95 % interval covers truth / %",
         "verdict": "",
         "width": "its width",
-        "bounds": "bound holds / %",
+        "bounds": "bound covers truth / %",
     },
 )
 TESTS = Kind(
     "tests",
     ("effect", "p"),
     _tests,
-    {"sets": "studies", "none": "no answer / %", "share": "p < 5 % / %", "verdict": ""},
+    {"sets": "studies", "none": "no result / %", "share": "p < 5 % / %", "verdict": ""},
 )
 RANKS = Kind(
     "ranks",

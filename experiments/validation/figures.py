@@ -22,7 +22,7 @@ COLUMNS = 3
 
 
 def write_figures(found: Validated, folder: Path, *, as_pixels: bool) -> None:
-    """Write an SVG of each check with a figure, and a PNG with `as_pixels`."""
+    """Write SVG figures of the checks. With `as_pixels`, write PNGs too."""
     make_folder(folder)
     for name, table in found.tables.items():
         check = check_of(name)
@@ -34,7 +34,7 @@ def write_figures(found: Validated, folder: Path, *, as_pixels: bool) -> None:
 
 
 def shares(check: Check, table: pd.DataFrame) -> Drawing:
-    """Draw the share of each row with its 95 % interval."""
+    """Plot the share in each row with its 95 % interval."""
     found = table[table["n"] > 0]
     methods = _distinct(found, check.reason_key)
     others = [key for key in check.keys if key != check.reason_key]
@@ -62,7 +62,7 @@ def shares(check: Check, table: pd.DataFrame) -> Drawing:
 
 
 def _distinct(table: pd.DataFrame, key: str) -> list[Any]:
-    """Return methods with different shares."""
+    """Return the methods, but only the first of those with equal shares."""
     seen: dict[tuple[float, ...], Any] = {}
     for method in dict.fromkeys(table[key]):
         seen.setdefault(tuple(table.loc[table[key] == method, "share"]), method)
@@ -75,7 +75,7 @@ def _label(row: Mapping[Any, Any], keys: list[str]) -> str:
 
 
 def rank_histograms(check: Check, table: pd.DataFrame) -> Drawing:
-    """Draw histograms of ranks with a band that a bin leaves once in 1e4."""
+    """Plot histograms of ranks, with the 99.99 % band of a bin's count."""
     n_rows = -(-len(table) // COLUMNS)
     with new_figure(WIDTH_IN, 0.4 + 1.7 * n_rows) as figure:
         panels = figure.subplots(n_rows, COLUMNS, sharex=True, squeeze=False).ravel()

@@ -1,6 +1,6 @@
-"""Validation runs: chunks stored on disk, and their tables.
+"""Validation runs: chunks of outcomes on disk, and tables of results.
 
-Any process can make any chunk.
+Any process can compute any chunk.
 """
 
 import io
@@ -29,27 +29,27 @@ SECONDS: Final = "processor_s"
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some sets of one setting of a check."""
+    """Part of the sets of one setting of a check."""
 
     check: str
     setting: str
     number: int
 
     def simulated(self, seed: int) -> pd.DataFrame:
-        """Return the outcomes, from a random generator of this chunk only."""
+        """Simulate the outcomes, with a random generator for this chunk only."""
         check = check_of(self.check)
         rng = stream(seed, *(crc32(name.encode()) for name in (self.check, self.setting)), self.number)
         return check.settings[self.setting](check.n_sets, rng)
 
     def path(self, root: Path) -> Path:
-        """Return the file of the outcomes."""
+        """Path of the file with the outcomes."""
         place = list(check_of(self.check).settings).index(self.setting)
         return root / OUTCOMES / f"{self.check}_{place:02d}_{self.number:04d}.parquet"
 
 
 @dataclass(frozen=True)
 class Validation:
-    """Checks, rounds (chunks per setting) and seed.
+    """Validation to run: checks, rounds (chunks per setting) and seed.
 
     Raises
     ------
@@ -69,19 +69,19 @@ class Validation:
 
     @property
     def chunks(self) -> list[Chunk]:
-        """Chunks round by round, so that an interrupted run is a smaller one."""
+        """Chunks in order of rounds: an interrupted run has complete rounds."""
         settings = [(name, setting) for name in self.checks for setting in check_of(name).settings]
         return [Chunk(name, setting, number) for number in range(self.n_rounds) for name, setting in settings]
 
     @property
     def asked(self) -> dict[str, Any]:
-        """Return all that determines the outcomes, except versions and rounds."""
+        """Inputs that determine the outcomes, except versions and rounds."""
         return {"seed": self.seed, "checks": list(self.checks)}
 
 
 @dataclass(frozen=True)
 class Validated:
-    """Table and processor time (s) of each check, by name."""
+    """Results: table and processor time (s) of each check, by name."""
 
     validation: Validation
     tables: Mapping[str, pd.DataFrame]
@@ -96,19 +96,19 @@ def validate(
     spread: Spread = here,
     tell: Callable[[Iterator[Path], int], Iterator[Path]] = lambda paths, n: paths,
 ) -> Validated:
-    """Simulate all chunks into a folder and return their tables.
+    """Simulate all chunks into a folder, and return the tables.
 
     Parameters
     ----------
     resume : bool
         Continue an interrupted run, or one with fewer rounds.
     tell : callable
-        Called with the files as they are completed, and their number.
+        Called with the iterator of completed files and their number.
 
     Raises
     ------
     InvalidFile
-        If the folder contains a run and `resume` is not given, or another run.
+        If the folder contains another run, or contains a run and `resume` is False.
     """
     prepare(root, validation.asked, "validation", resume=resume)
     make_folder(root / OUTCOMES)
@@ -134,7 +134,7 @@ def chunk_content(job: tuple[Chunk, int]) -> bytes:
 
 
 def _table(root: Path, name: str, chunks: list[Chunk]) -> tuple[pd.DataFrame, float]:
-    """Return the table of a check, by setting, and the time of its chunks."""
+    """Return the table of a check and the processor time of its chunks."""
     check, paths = check_of(name), sorted(chunk.path(root) for chunk in chunks if chunk.check == name)
     parts = [pd.read_parquet(path) for path in paths]
     seconds = sum(part.attrs.pop(SECONDS, 0.0) for part in parts)

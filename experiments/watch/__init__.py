@@ -1,1 +1,1 @@
-"""Read-only page in a local browser that follows a session."""
+"""Read-only page that follows a session in a local browser."""

@@ -1,4 +1,4 @@
-"""The psychometric curve of the present condition with its posterior band."""
+"""Psychometric function of the current condition, with its posterior band."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -30,12 +30,12 @@ from .plots import BOTTOM, LEFT, RIGHT, TOP, Mark, Plot, Ruler, condition_words,
 
 N_PLACES = 61
 FEWEST_ANSWERS = 6
-"""With fewer answers, the band would show little more than the prior."""
+"""Smallest number of answers for a curve. With fewer, the band would mostly show the prior."""
 
 
 @dataclass(frozen=True)
 class Answers:
-    """Counted answers in a condition, with unit and standard of levels."""
+    """Counted answers in a condition, with unit and standard of the levels."""
 
     cell: Cell
     unit: str
@@ -47,16 +47,16 @@ class Answers:
 
 
 def answers_of(progress: Progress) -> Answers | None:
-    """Return the answers of the present condition without practice.
+    """Return the answers of the current condition, without practice.
 
-    None if no curve is fitted to the task, or there are too few answers.
+    Returns None if no function is fitted for the task, or there are too few answers.
     """
     last = last_presented(progress)
     if last is None or last.task not in CURVES:
         return None
     rows = list(_judged(progress, last.task))
     present = condition_words(last.factors)
-    # All conditions are counted: together they tell the number of alternatives.
+    # Cells are built from all conditions, as together they determine the number of alternatives.
     counted = cells(pd.DataFrame(rows), ["condition"]) if rows else []
     cell = next((cell for cell in counted if cell.condition == (present,)), None)
     if cell is None or sum(cell.n_trials) < FEWEST_ANSWERS:
@@ -91,7 +91,7 @@ def fit_of(answers: Answers) -> ThresholdFit:
 
 
 def band_of(answers: Answers) -> CurveBand | None:
-    """Return the posterior band of the same curve; None with one level."""
+    """Return the posterior band of the curve, or None with a single level."""
     cell, curve = answers.cell, CURVES[answers.cell.task]
     return curve_band(
         cell.levels,
@@ -105,7 +105,7 @@ def band_of(answers: Answers) -> CurveBand | None:
 
 
 def curve_plot(answers: Answers) -> Plot:
-    """Plot rates, the curve in its band, the threshold and the standard."""
+    """Plot rates, the curve with its band, the threshold and the standard."""
     cell, band, fit = answers.cell, band_of(answers), fit_of(answers)
     x, y = ruler_over(cell.levels, LEFT, RIGHT, margin=0.02), Ruler(-0.03, 1.03, BOTTOM, TOP)
     label = CURVES[cell.task].rate_label
@@ -132,7 +132,7 @@ def curve_plot(answers: Answers) -> Plot:
 
 
 def _words(answers: Answers, fit: ThresholdFit) -> str:
-    """State the estimates that `analyse` reports for these answers.
+    """Return a sentence with the estimates that `analyse` would report.
 
     >>> levels = (36.0, 38.0, 40.0, 42.0, 44.0)
     >>> of = Answers(Cell("", ("",), "comparison", levels, (0, 1, 6, 11, 12), (12,) * 5, 0, 0), "dB", standard=40.0)

@@ -12,7 +12,7 @@ source.onmessage = (event) => {
 };
 
 source.onerror = () => {
-  lost.textContent = "No connection: tactometry watch has ended, or does not answer. What is shown may be old.";
+  lost.textContent = "No connection: tactometry watch has ended or does not respond. This page may be outdated.";
 };
 
 function tellSince() {

@@ -1,4 +1,4 @@
-"""HTML of the page and its sections."""
+"""Render the HTML of the page and its sections."""
 
 from functools import cache
 from pathlib import Path
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 SECTIONS: Final = ("title", "alerts", "where", "levels", "curve", "touch", "touches", "quality", "conditions")
-"""Parts of the page that change, by the names of their elements."""
+"""Templates of the sections that change, by the names of their elements."""
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Plots as values that a template draws as SVG in view box units."""
+"""Plots as data that a template draws as SVG, in view box units."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ Points = Iterable[tuple[float, float]]
 
 @dataclass(frozen=True)
 class Ruler:
-    """Values from `low` to `high` along an axis from `start` to `end`.
+    """Scale: values from `low` to `high` on an axis from `start` to `end`.
 
     >>> Ruler(0.0, 10.0, 100.0, 200.0).at(2.5), Ruler(0.0, 10.0, 100.0, 200.0).ticks
     (125.0, (0.0, 2.0, 4.0, 6.0, 8.0, 10.0))
@@ -31,13 +31,13 @@ class Ruler:
     end: float
 
     def at(self, value: float) -> float:
-        """Return the position of a value, clipped to the ends of the axis."""
+        """Return the position of a value, limited to the ends of the axis."""
         share = (min(max(value, self.low), self.high) - self.low) / (self.high - self.low)
         return round(float(self.start + share * (self.end - self.start)), 2)
 
     @property
     def ticks(self) -> tuple[float, ...]:
-        """Round values, at most `MOST_TICKS`."""
+        """Round tick values, at most `MOST_TICKS`."""
         size = 10.0 ** math.floor(math.log10((self.high - self.low) / MOST_TICKS))
         step = next(size * step for step in STEPS if (self.high - self.low) / (size * step) <= MOST_TICKS - 1)
         first, last = math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9)
@@ -45,7 +45,7 @@ class Ruler:
 
 
 def ruler_over(values: Iterable[float], start: float, end: float, margin: float = 0.06) -> Ruler:
-    """Return an axis over values with a margin, or centered on one value."""
+    """Return a scale for values, with a margin. A single value is centred."""
     known = list(values) or [0.0, 1.0]
     low, high = min(known), max(known)
     spread = high - low if high - low > 1e-9 * max(abs(low), abs(high)) else 2.0 * max(abs(high), 1.0)
@@ -55,7 +55,7 @@ def ruler_over(values: Iterable[float], start: float, end: float, margin: float 
 
 
 class Mark(NamedTuple):
-    """Symbol: yes, no, neutral, invalid, reversal or rate (`kind`)."""
+    """Symbol of a `kind`: yes, no, neutral, invalid, reversal or rate."""
 
     x: float
     y: float
@@ -64,7 +64,7 @@ class Mark(NamedTuple):
 
 
 class Stroke(NamedTuple):
-    """Line or area: SVG points, and class in the style sheet."""
+    """Line or area: SVG points, and its class in the style sheet."""
 
     points: str
     kind: str
@@ -72,7 +72,7 @@ class Stroke(NamedTuple):
 
 @dataclass(frozen=True)
 class Plot:
-    """Plot, with its content as text for screen readers."""
+    """Plot, with a text of its content for screen readers."""
 
     name: str
     title: str
@@ -102,7 +102,7 @@ class Plot:
 
 
 def last_presented(progress: Progress) -> Trial | None:
-    """Return the last row that is not an answer to a separate questionnaire."""
+    """Return the last trial that is not an answer to a separate questionnaire."""
     last = progress.last
     if last is None or not last.is_form:
         return last
@@ -113,7 +113,8 @@ def last_presented(progress: Progress) -> Trial | None:
 def success(trial: Trial) -> bool | None:
     """Return True for an answer that the psychometric function counts.
 
-    That is "yes", "more" or "different" in tasks with such answers, else a correct answer; None without an answer.
+    These are "yes", "more" or "different" in tasks with such answers, and correct answers in other tasks. Returns None
+    without an answer.
     """
     if TASKS[trial.task].response is YES_OR_NO:
         return None if trial.response is None else trial.response == 1
@@ -121,7 +122,7 @@ def success(trial: Trial) -> bool | None:
 
 
 def levels_plot(name: str, title: str, track: TrackProgress) -> Plot | None:
-    """Plot the levels of a track by presentation; None without one."""
+    """Plot the levels of a track by presentation, or return None without one."""
     shown = [(n, trial.level, trial) for n, trial in enumerate(track.presented, 1) if trial.level is not None]
     if not shown:
         return None
@@ -153,7 +154,7 @@ def _kind(trial: Trial) -> str:
 
 
 def condition_words(factors: Mapping[str, float | str]) -> str:
-    """Name a condition; empty without factors.
+    """Return the name of a condition, or an empty text without factors.
 
     >>> condition_words({"frequency_hz": 240.0, "force_n": ""})
     '240 Hz'

@@ -1,4 +1,4 @@
-"""Plots and sections of the page, redrawn only when something changed."""
+"""Plots and sections of the page, redrawn only after changes."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -10,15 +10,15 @@ from tactometry.session.progress import AnsweredTouch, Progress
 from .sight import Drawn, Sight, TouchDrawn
 from .watcher import Watcher
 
-if TYPE_CHECKING:  # the libraries of the analysis take seconds to load, and the address is printed first
+if TYPE_CHECKING:  # The analysis libraries take seconds to load. The address is printed before that.
     from .curve import Answers
 
 CURVE_EVERY_S = 8.0
-"""A posterior takes 40 ms: half a per cent of a core."""
+"""Shortest interval (s) between fits. A fit takes 40 ms, so this limits it to 0.5 % of a core."""
 
 
 class Scenery:
-    """Page of a watched data set. `clock` returns monotonic seconds."""
+    """Page of a watched data set. `clock` returns monotonic time (s)."""
 
     def __init__(self, watcher: Watcher, clock: Callable[[], float] = time.monotonic) -> None:
         self._watcher, self._clock = watcher, clock
@@ -30,14 +30,14 @@ class Scenery:
         self._shown: tuple[Sight, Drawn, Mapping[str, str]] | None = None
 
     def page(self) -> str:
-        """Return the HTML of the page in its present state."""
+        """Return the HTML of the page in its current state."""
         from .page import page
 
         self._look()
         return page(self._sight, self._drawn)
 
     def sections(self) -> Mapping[str, str]:
-        """Return the HTML of each section, redrawn if something changed."""
+        """Return the HTML of each section. Redraws sections that changed."""
         from .page import sections
 
         self._look()

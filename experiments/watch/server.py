@@ -1,7 +1,7 @@
-"""Read-only loopback server of the page for requests with its token.
+"""Read-only loopback server for the page, which requires a token.
 
-Each request is checked first. A host other than the loopback (a foreign name that was made to lead here), another
-page as the origin, or a wrong token get no content.
+Each request is checked first. Requests are rejected if the host is not the loopback (DNS rebinding), the origin is
+another page, or the token is wrong.
 """
 
 import asyncio
@@ -42,18 +42,18 @@ HEADERS: Final = {
     "Cross-Origin-Resource-Policy": "same-origin",
 }
 SERVED: Final = {"page.css": "text/css", "page.js": "text/javascript"}
-"""Files that a browser requests, with their media types."""
+"""Static files that a browser requests, with their media types."""
 LOOK_EVERY_S = 0.5
 NO_LIBRARY: Final = "watch: found no library for its page ({error}); pip install 'tactometry[watch]'"
 
 
 def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int | None:
-    """Return the status of a refused request, or None for one that is allowed.
+    """Return the HTTP status for a rejected request, or None if allowed.
 
     Parameters
     ----------
     headers : mapping of str to str
-        By lower-case names.
+        Headers by lower-case name.
 
     >>> refusal({"host": "127.0.0.1:8000"}, "/t/", 8000, "t"), refusal({"host": "127.0.0.1:8000"}, "/", 8000, "t")
     (None, 404)
@@ -75,7 +75,7 @@ def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int
 
 
 def combined(headers: Iterable[tuple[bytes, bytes]]) -> dict[str, str]:
-    """Join repeated headers by commas, which no expected value has.
+    """Join repeated headers with commas. No valid value contains a comma.
 
     >>> combined([(b"host", b"127.0.0.1:8000"), (b"origin", b"null"), (b"origin", b"null")])
     {'host': '127.0.0.1:8000', 'origin': 'null, null'}
@@ -88,7 +88,7 @@ def combined(headers: Iterable[tuple[bytes, bytes]]) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Guard:
-    """Middleware that refuses requests before the application."""
+    """Middleware that rejects requests before the application sees them."""
 
     app: App
     port: int
@@ -105,7 +105,7 @@ class Guard:
 
 
 async def news(scenery: Scenery) -> AsyncIterator[bytes]:
-    """Yield changed sections as server-sent events."""
+    """Function that yields changed sections as server-sent events."""
     shown: Mapping[str, str] = {}
     while True:
         sections = scenery.sections()
@@ -117,7 +117,7 @@ async def news(scenery: Scenery) -> AsyncIterator[bytes]:
 
 
 def application(scenery: Scenery, port: int, token: str) -> "Starlette":
-    """Return the application served at a port below the token's path.
+    """Return the application, served at a port under the token's path.
 
     Raises
     ------
@@ -156,14 +156,14 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
     Parameters
     ----------
     port : int
-        0 selects any free port.
+        Port to listen at. 0 selects any free port.
     until : binary file, optional
-        Stream that a thread reads to its end.
+        Stream whose end stops the server. A thread reads it.
 
     Raises
     ------
     DeviceFailed
-        If the port is taken, or the library of the server is not installed.
+        If the port is in use, or the library of the server is not installed.
     """
     with library_needed(NO_LIBRARY):
         import uvicorn
@@ -185,14 +185,14 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
         server = uvicorn.Server(config)
         if until is not None:
             threading.Thread(target=_end_with, args=(until, server), daemon=True).start()
-        # Ctrl-C ends it, also before the loop has begun, when Python warns of a coroutine that was never awaited.
+        # Ctrl-C may arrive before the loop starts. Python then warns of a coroutine that was never awaited.
         with warnings.catch_warnings(action="ignore", category=RuntimeWarning), suppress(KeyboardInterrupt):
             tell(f"http://{LOOPBACK}:{port}/{token}/")
             server.run(sockets=[listening])
 
 
 def _bound(port: int) -> socket.socket:
-    """Return a socket at a loopback port."""
+    """Return a socket bound to a loopback port."""
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -201,7 +201,7 @@ def _bound(port: int) -> socket.socket:
     except OSError as error:
         found.close()
         raise DeviceFailed(
-            f"--port: cannot listen at {LOOPBACK}:{port} ({error.strerror}), expected one that is free; leave it out"
+            f"--port: cannot listen at {LOOPBACK}:{port} ({error.strerror}), expected a free port; leave the option out"
         ) from None
     return found
 

@@ -1,4 +1,4 @@
-"""State of a session, folded over the lines of its journal."""
+"""State of a session, accumulated from the lines of its journal."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sight:
-    """A session as the page shows it.
+    """State of a session, as shown on the page.
 
     Parameters
     ----------
     name : str
-        Name of the journal; empty before there is one.
+        Name of the journal, or empty if none exists yet.
     heads : tuple of Head
-        Heads of the sittings.
+        Heads of the sittings (parts of the session).
     complete, halted : bool
-        Whether the journal states that the session is over, or that its sitting was stopped.
+        True if the journal states that the session is over, or that its sitting was stopped.
     abandoned : bool
-        Whether no process writes the journal any more, though it neither ended nor was stopped.
+        True if no process writes the journal any more, although the session neither ended nor was stopped.
     written_s : float
-        Time when the journal was written last, s since 1970.
+        Time of the last write to the journal (s since 1970).
     problem : str
-        Reason why the journal cannot be read, else empty.
+        Reason why the journal cannot be read, or an empty text.
     parts : tuple of PartAhead
-        Plan of the study, which the journal does not contain; empty if unknown.
+        Planned parts of the session, which the journal does not contain. Empty if unknown.
     """
 
     name: str = ""
@@ -52,7 +52,7 @@ class Sight:
 
     @property
     def head(self) -> Head | None:
-        """Head of the present sitting."""
+        """Head of the current sitting."""
         return self.heads[-1] if self.heads else None
 
     @property
@@ -83,13 +83,13 @@ def _after(sight: Sight, line: Line) -> Sight:
             return replace(sight, progress=sight.progress.after(request, answer), halted=False)
         case Event():
             return replace(sight, progress=sight.progress.after_event(line), halted=line.kind == "stop" or sight.halted)
-        case _:  # marks on a page that is still shown
+        case _:  # marks made while a page is shown
             return replace(sight, halted=False)
 
 
 @dataclass(frozen=True)
 class TouchDrawn:
-    """Plots of the last touch, or the reason why there are none."""
+    """Plots of the last touch, or the reason for their absence."""
 
     plots: "tuple[Plot, ...]" = ()
     problem: str = ""
@@ -97,7 +97,7 @@ class TouchDrawn:
 
 @dataclass(frozen=True)
 class Drawn:
-    """Plots of the present condition's curve and of the last touch."""
+    """Plots of the current condition's curve and of the last touch."""
 
     curve: "Plot | None" = None
     touch: TouchDrawn = field(default_factory=TouchDrawn)

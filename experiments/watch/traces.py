@@ -18,7 +18,7 @@ LABELS = {"force": ("Force", "force (N)"), "position": ("Position", "position (m
 
 
 def draw_touch(root: Path, touch: AnsweredTouch) -> TouchDrawn:
-    """Plot the recorded samples of a touch, or state why they are unreadable."""
+    """Plot the recorded samples of a touch, or return why they are unreadable."""
     kinds = [(kind_of(part), part) for part in touch.answer.trace]
     try:
         plots = [samples_plot(kind, read_part(root, part), touch) for kind, part in kinds if kind in LABELS]
@@ -28,14 +28,14 @@ def draw_touch(root: Path, touch: AnsweredTouch) -> TouchDrawn:
 
 
 def samples_plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | None:
-    """Plot a sensor over time with a line per axis; None if empty.
+    """Plot a sensor over time, with a line per axis. Returns None if empty.
 
     Parameters
     ----------
     rows : (n_samples, 1 + n_axes) array
-        Time stamps (s of the session) and values.
+        Time stamps (s from the start of the session) and values.
     touch : AnsweredTouch
-        Its requested force and the time of its stimulus are drawn as areas.
+        Touch whose requested force and stimulus interval are drawn as areas.
     """
     times_s, values = rows[:, 0] - touch.answer.onset_s, rows[:, 1:]
     known, request = values[np.isfinite(values)], touch.request
@@ -63,7 +63,7 @@ def samples_plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | No
 
 
 def _health(times_s: FloatArray, values: FloatArray) -> str:
-    """Describe the sampling rate, lost samples and longest gap of a sensor."""
+    """Describe a sensor's sampling rate, lost samples and longest gap."""
     if len(times_s) < 2:
         return ""
     n_lost = int(np.isnan(values).any(axis=1).sum())
@@ -73,9 +73,9 @@ def _health(times_s: FloatArray, values: FloatArray) -> str:
 
 
 def thinned(times_s: FloatArray, values: FloatArray, n_bins: int = MOST_BINS) -> list[tuple[float, float]]:
-    """Return fewer points that draw the same line as all known samples.
+    """Return fewer points that draw the same line as all samples.
 
-    Each bin keeps its lowest and its highest sample.
+    Each bin keeps its lowest and highest sample. Missing samples are dropped.
 
     >>> thinned(np.arange(6.0), np.array([0.0, 5.0, 1.0, 1.0, -2.0, 1.0]), n_bins=2)
     [(0.0, 0.0), (1.0, 5.0), (3.0, 1.0), (4.0, -2.0)]

@@ -1,4 +1,4 @@
-"""Text, numbers and plots of the page, before they become HTML."""
+"""Texts, numbers and plots of the page, before rendering as HTML."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -19,14 +19,14 @@ from .sight import Sight
 MOST_PLOTS = 4
 """Largest number of interleaved tracks with a plot."""
 MOST_DROPPED = 0.01
-"""A larger share of dropped frames is marked (unverified default)."""
+"""Share of dropped frames above which it is marked (unverified default)."""
 DEVICES = ("rig", "output", "force_sensor", "position_sensor", "frame_period_s", "output_volts_per_unit", "felt")
-"""Facts of a head that describe the devices of a session."""
+"""Keys of a head's facts that describe the devices of a session."""
 DELAYS = {"gate_delay_s": "From gate to decision", "key_to_record_s": "From key to disk"}
 
 
 class Named(NamedTuple):
-    """Name and value; `mark` draws the experimenter's attention."""
+    """Name and value. `mark` highlights them for the experimenter."""
 
     name: str
     value: str
@@ -43,7 +43,7 @@ def minutes(lasting_s: float) -> str:
 
 
 def title(sight: Sight) -> str:
-    """Return the participant, session and study."""
+    """Return the page title: participant, session and study."""
     head = sight.head
     if head is None:
         return sight.name or "no session yet"
@@ -57,11 +57,11 @@ def alerts(sight: Sight) -> list[str]:
     warning = None if sight.complete else progress.warning(sight.parts)
     found = [sight.problem, f"Careful: {warning}." if warning else ""]
     if sight.state == "ended without closing":
-        found.append("The session ended without closing: no process records it; run goes on with --resume.")
+        found.append("The session ended without closing: no process records it; continue with run --resume.")
     elif progress.paused is not None and not (sight.complete or sight.halted):
         found.append(f"Paused: {progress.paused}.")
     if sight.halted:
-        found.append(f"Stopped: {' '.join(progress.stopped[-1:])}; run goes on with --resume.")
+        found.append(f"Stopped: {' '.join(progress.stopped[-1:])}; continue with run --resume.")
     return [*filter(None, found), *(f"{text[:1].upper()}{text[1:]}." for text in progress.aborted)]
 
 
@@ -79,7 +79,7 @@ class Share:
 
 
 def shares(sight: Sight) -> list[Share]:
-    """Return the progress of the present part and of the session."""
+    """Return the progress of the current part and of the session."""
     progress, parts = sight.progress, sight.parts
     present = parts[progress.part - 1] if 0 < progress.part <= len(parts) else PartAhead()
     here = Share("Trials of this part", progress.n_valid(progress.part), present.n_trials)
@@ -88,7 +88,7 @@ def shares(sight: Sight) -> list[Share]:
 
 
 def where(sight: Sight) -> Iterator[Named]:
-    """Yield the part, condition and time left of the session."""
+    """Yield the position in the session: part, condition, time left and more."""
     progress = sight.progress
     if progress.n_parts:
         yield Named("Part", f"{progress.part} of {progress.n_parts}" if progress.part else f"of {progress.n_parts}")
@@ -111,7 +111,7 @@ def where(sight: Sight) -> Iterator[Named]:
 
 
 def unit(progress: Progress) -> str:
-    """Return the unit of all levels, empty if there are several or none."""
+    """Return the unit of all levels, or an empty text if it is not unique."""
     units = {trial.level_unit for track in progress.tracks.values() for trial in track.presented[:1]}
     return units.pop() if len(units) == 1 else ""
 
@@ -125,7 +125,7 @@ def _last(trial: Trial) -> str:
 
 def _answer(trial: Trial) -> str:
     if not trial.valid:
-        return f"not valid ({'no reason kept' if trial.invalid_reason is None else reason_words(trial.invalid_reason)})"
+        return f"not valid ({'unknown reason' if trial.invalid_reason is None else reason_words(trial.invalid_reason)})"
     if TASKS[trial.task].response is YES_OR_NO and trial.response is not None:
         return TASKS[trial.task].answers[trial.response == 1]
     if trial.correct is not None:
@@ -134,7 +134,7 @@ def _answer(trial: Trial) -> str:
 
 
 def level_plots(progress: Progress) -> list[Plot]:
-    """Return plots of the tracks in the present block, the present one first."""
+    """Return plots of the tracks in the current block, current track first."""
     last = last_presented(progress)
     if last is None:
         return []
@@ -146,14 +146,14 @@ def level_plots(progress: Progress) -> list[Plot]:
 
 def _title(track: TrackProgress, name: str | None) -> str:
     last = track.presented[-1]
-    # A track's name repeats factors of the condition.
+    # A track's name repeats some factors of the condition.
     labels = [part for part in (name or "").split(", ") if part.partition("=")[0] not in last.factors]
     practice = "practice" if last.practice else ""
     return ", ".join(filter(None, (last.procedure.replace("_", " "), practice, condition_words(last.factors), *labels)))
 
 
 class TouchRow(NamedTuple):
-    """Cells of a touch."""
+    """Table row of a touch."""
 
     level: str
     outcome: str
@@ -163,7 +163,7 @@ class TouchRow(NamedTuple):
 
 
 def touch_row(touch: AnsweredTouch) -> TouchRow:
-    """Return a touch as a row of the table."""
+    """Return the table row of a touch."""
     answer, level = touch.answer, touch.request.level
     reason = "not valid" if answer.invalid_reason is None else reason_words(answer.invalid_reason)
     return TouchRow(
@@ -176,7 +176,7 @@ def touch_row(touch: AnsweredTouch) -> TouchRow:
 
 
 def _kept(mean: float | None, unit: str, in_band: float | None) -> str:
-    """Return a mean, and the share of the touch in its band.
+    """Return a mean, and the share of the touch within its band.
 
     >>> _kept(1.0123, "N", 0.954), _kept(None, "N", None)
     ('1.01 N, 95 %', '')
@@ -186,7 +186,7 @@ def _kept(mean: float | None, unit: str, in_band: float | None) -> str:
 
 
 def reasons(progress: Progress) -> str:
-    """Return the number of invalid touches by reason."""
+    """Return the number of invalid touches by reason, in words."""
     if not progress.n_touches:
         return ""
     n_lost = sum(progress.reasons.values())
@@ -221,13 +221,13 @@ def _ms(lasting_s: float) -> str:
 
 
 def _clock(facts: Mapping[str, Fact]) -> str:
-    """Describe the drift of a clock, known from the second block on."""
+    """Describe the drift of a clock, which is known from the second block on."""
     drift = facts.get("clock_drift")
     return f"drift {1e6 * drift:.3g} µs/s" if isinstance(drift, int | float) else "drift not known yet"
 
 
 def devices(sight: Sight) -> Iterator[Named]:
-    """Yield the devices of the session from its head."""
+    """Yield the devices of the session, from its head."""
     facts = {} if sight.head is None else sight.head.facts
     for name in DEVICES:
         value = facts.get(name)
@@ -236,7 +236,7 @@ def devices(sight: Sight) -> Iterator[Named]:
 
 
 class ConditionRow(NamedTuple):
-    """Cells of a track."""
+    """Table row of a track."""
 
     part: int
     condition: str
@@ -248,7 +248,7 @@ class ConditionRow(NamedTuple):
 
 
 def condition_rows(progress: Progress) -> list[ConditionRow]:
-    """Return all tracks, the newest first."""
+    """Return the table rows of all tracks, newest first."""
     last = progress.last
     present = None if last is None or last.is_form or progress.over else (last.block, last.track)
     has_one_unit = bool(unit(progress))

@@ -1,4 +1,4 @@
-"""Reader of a data set's newest journal, which never writes."""
+"""Read-only follower of a data set's newest journal."""
 
 import time
 from collections.abc import Callable
@@ -16,17 +16,17 @@ from tactometry.session.progress import PartAhead
 from .sight import Sight
 
 LOOK_AROUND_S = 3.0
-"""Interval between searches for a newer journal."""
+"""Interval (s) between searches for a newer journal."""
 QUIET_S = 10.0
-"""A journal that was written this lately has a process that writes it."""
+"""Time (s) after a write during which a journal counts as being recorded."""
 TRY_AGAIN_S = 15.0
-"""Delay before an unreadable journal is read again as a whole, which is slow."""
+"""Delay (s) before an unreadable journal is read again from its start, which is slow."""
 
 
 class Watcher:
-    """Follower of a data set's newest journal (of one session if given).
+    """Follower of a data set's newest journal, or that of one session.
 
-    The folder `root` need not exist yet. `clock` returns monotonic seconds.
+    The folder `root` need not exist yet. `clock` returns monotonic time (s).
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Watcher:
         self._around_s = self._again_s = self._alive_s = -float("inf")
 
     def look(self) -> Sight:
-        """Return the present state, the same object while nothing changes."""
+        """Return the current state, the same object until something changes."""
         now_s = self._clock()
         if now_s >= self._around_s:
             self._around_s = now_s + LOOK_AROUND_S
@@ -64,7 +64,7 @@ class Watcher:
     def _journals(self) -> list[Path]:
         try:
             return [path for path in sessions(self.root) if self._wanted.items() <= keys_of(path.stem).items()]
-        except InvalidFile:  # the next search may succeed
+        except InvalidFile:  # a later search may succeed
             return []
 
     def _choose(self) -> None:
@@ -99,14 +99,14 @@ class Watcher:
 def _written_s(path: Path) -> float:
     try:
         return path.stat().st_mtime
-    except OSError:  # the file was just removed
+    except OSError:  # the file was removed meanwhile
         return 0.0
 
 
 def _parts(root: Path, head: Head | None) -> tuple[PartAhead, ...]:
     """Return the planned parts of a session.
 
-    Empty if the study cannot be wired, so that the rest is still shown.
+    Empty if the study cannot be wired, so that the page can still show the rest.
     """
     if head is None:
         return ()

@@ -72,7 +72,7 @@ _FLAG = CellRule("1, 0 or nothing", one_of_texts("0", "1"))
 RULES: Mapping[str, CellRule] = {
     "participant": CellRule("1 to 32 letters and digits", lambda text: PARTICIPANT.fullmatch(text) is not None),
     "study": CellRule(
-        "the name of a study: words of small letters and digits joined by hyphens",
+        "the name of a study: lower-case letters and digits joined by hyphens",
         lambda text: STUDY.fullmatch(text) is not None,
     ),
     **dict.fromkeys(("session", "block", "trial", "attempt", "target", "n_alternatives"), _COUNT),

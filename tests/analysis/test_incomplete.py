@@ -160,7 +160,7 @@ def test_edited_answer_has_warning_in_all_output(data_set, capsys, single):
     file.write_bytes(file.read_bytes().replace(b",yes_no,1,", b",yes_no,0,", 1))
     path = file if single else data_set
     status, _, out = call(capsys, "analyse", path, "--report", data_set.parent / "r.html")
-    sentence = "1 of 1 trials file differs from its journal, and the tables are analysed as they are: "
+    sentence = "1 of 1 trials file differs from its journal, but the tables are analysed unchanged: "
     assert status == 0
     assert sentence in " ".join(out.split()) + " "
     page = (data_set.parent / "r.html").read_text()

@@ -158,7 +158,7 @@ def test_resuming_with_another_seed_is_refused(copied, capsys):
     status, said, _ = call(capsys, *arguments, "--out", copied)
     assert (status, said) == (
         2,
-        "tactometry: --seed: found 4, but this session began with 3; leave it out to go on",
+        "tactometry: --seed: found 4, but this session began with 3; leave it out to continue",
     )
 
 

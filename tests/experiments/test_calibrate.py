@@ -132,7 +132,7 @@ LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
         ),
         (
             [*WEIGH, "--counts", "100,200,330,400", "--residual-at-most", "0.01"],
-            "found 330 counts at 0.2 kg, 6.5% of the largest force off the fit, expected at most 1%; weigh",
+            "found 330 counts at 0.2 kg, off the fit by 6.5% of the largest force, expected at most 1%; weigh",
         ),
         (["display", "--bar-m", "0.1", "--write"], "--write: found no bench file, expected --bench FILE, the file"),
     ],

@@ -50,10 +50,10 @@ def test_gain_fit_recovers_gain(volts_per_unit, units):
     ("call", "message"),
     [
         (lambda: fit_force([0, 1], [0, 1]), "found 2 masses and 2 counts, expected .* at least 3 for degree 1"),
-        (lambda: fit_force([0, 1, 2], [0, 1, np.nan]), "found a mass or a count that is no finite number"),
+        (lambda: fit_force([0, 1, 2], [0, 1, np.nan]), "found a mass or a count that is not finite"),
         (lambda: fit_force([0, 1, -2], [0, 1, 2]), "or a mass below 0"),
         (lambda: fit_force([0, 1, 2], [0, 5, 3]), "neither rise nor fall with the weights"),
-        (lambda: fit_gain([0.1], [1.0]), "found 1 and 1 values, expected as many, at least two"),
+        (lambda: fit_gain([0.1], [1.0]), "found 1 and 1 values, expected equally many of both, at least two"),
         (lambda: fit_gain([0.1, 0.2], [1.0, -1.0]), "not a finite number above 0"),
         (lambda: display_height_m(0.0), "found a bar of 0.0 m"),
     ],

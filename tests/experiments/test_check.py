@@ -76,7 +76,7 @@ def test_check_tries_sensor_and_card_together(tmp_path, display, in_background, 
         ("study", "tutorial.toml"),
         ("computer", "blas threads"),
         ("disk", "free"),
-        ("disk", "a record, to disk"),
+        ("disk", "time to write a record to disk"),
         ("display", "frame period"),
         ("display", "dropped frames"),
         ("display", "key to record"),
@@ -131,7 +131,10 @@ def test_check_continues_without_a_key_press(watched, monkeypatch, tmp_path):
 def test_check_plays_nothing_before_hands_are_off(tmp_path, alsa):
     bench = load(tmp_path, "[output]\nungated = true\n" + AUDIO[9:] + GAIN + LOAD + LIMITS)
     found = {each.what: each for each in devices(bench, Limits(80.0), None, hands_off=False)}
-    assert (found["test tone"].found, found["test tone"].fine) == ("not played: nobody said that hands are off", False)
+    assert (found["test tone"].found, found["test tone"].fine) == (
+        "not played: the option --hands-off is missing",
+        False,
+    )
     assert found["caution"].found.startswith("bench file, output.ungated = true: nothing stops the output")
     assert "opened" not in found
 
@@ -151,7 +154,9 @@ def test_hands_off_is_confirmed_at_a_terminal(monkeypatch, capsys, typed, sure):
 def test_ungated_bench_is_not_fine(tmp_path):
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS)
     failed = [each for each in devices(bench, Limits(80.0), None, hands_off=False) if each.fine is False]
-    assert failed[0].found.startswith("force: found none, expected the sensor that stops the output when the finger")
+    assert failed[0].found.startswith(
+        "force: found none, expected a force sensor that stops the output when the finger"
+    )
     assert exit_status(failed) == 1
 
 
@@ -263,11 +268,11 @@ def test_check_reports_position_and_speed_of_the_gate(monkeypatch, tmp_path, met
     """A finger at rest moves at 2 or 40 mm/s with a tolerance of 10 mm/s."""
     said = slid(monkeypatch, tmp_path, metres_per_count, change)
     assert "speed, at rest" in said, said
-    assert said["samples that tell a place"].fine
+    assert said["samples with a position"].fine
     speed = said["speed, at rest"]
     found_m_per_s = 1e-3 * float(speed.found.split()[0])
     assert found_m_per_s == pytest.approx(1e3 * metres_per_count, rel=0.15)
-    assert (speed.fine, speed.expected) == (fine, "at most 10 mm/s, what a slide's speed may be off" if change else "")
+    assert (speed.fine, speed.expected) == (fine, "at most 10 mm/s, the speed tolerance of a slide" if change else "")
 
 
 def test_check_reports_slide_without_position(tmp_path):
@@ -318,4 +323,4 @@ def test_check_finds_overload_counts_of_positions(tmp_path, monkeypatch, capsys,
     found = {each["what"]: each for each in json.loads(said)["findings"] if each["part"] == "position"}
     assert status == 3
     assert ("counts at full scale" in found) is not is_stated
-    assert found["samples that tell a place"]["fine"] is not is_stated
+    assert found["samples with a position"]["fine"] is not is_stated

@@ -111,13 +111,19 @@ RECORDED = {"hand": {"kind": "recorded", "path": "old.csv", "rate_hz": 1e3}}
 def test_touched_output_is_gated_by_a_finger_sensor(kind):
     gain = {**gain_table(CHAINS[kind]), "measured_on": TODAY}
     alone = bench_of(kind, gain, screen={})
-    with pytest.raises(InvalidParameter, match=r"^force: found none, expected the sensor .*ungated = true in .output"):
+    with pytest.raises(
+        InvalidParameter, match=r"^force: found none, expected a force sensor .*ungated = true in .output"
+    ):
         alone.devices(STUDY, TODAY)
     assert alone.devices(STUDY, TODAY, touched=False).force is None
     recorded = bench_of(kind, gain, sensors=RECORDED, force=FORCE["force"])
-    with pytest.raises(InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which knows of no finger"):
+    with pytest.raises(
+        InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which cannot detect a finger"
+    ):
         recorded.devices(STUDY, TODAY)
-    with pytest.raises(InvalidParameter, match=r"^output\.ungated: found true beside .force., expected one of them"):
+    with pytest.raises(
+        InvalidParameter, match=r"^output\.ungated: found true together with .force., expected only one of them"
+    ):
         bench_of(kind, gain, {"ungated": True}).devices(STUDY, TODAY)
 
 

@@ -84,13 +84,13 @@ def test_dry_run_predicts_contact_of_each_force(tmp_path, capsys):
     file = tmp_path / "s.toml"
     file.write_text(SMALL.replace("levels = [10.0", "levels = [-30.0, 10.0"))
     said = output(capsys, "run", file, "--participant", "P01", "--dry-run")
-    assert said.count("contact is lost: at 30 dB re 1 um (focus) the plate would pull a finger of ") == 3
+    assert said.count("dB re 1 um on: at 30 dB re 1 um (focus) the plate pulls the finger (pressed with ") == 3
     record = json.loads(output(capsys, "run", file, "--participant", "P01", "--dry-run", "--json"))
     assert [finger["force_n"] for finger in record["contact"]] == [0.5, 1.5, 3.0]
     firsts = [finger["first_level"] for finger in record["contact"]]
     assert firsts == sorted(firsts)
     simulated = ("simulate", file, "--participants", 1, "--seed", 1, "--out", tmp_path / "d", "--explain")
-    assert output(capsys, *simulated).count("so that it lifts off, from ") == 3
+    assert output(capsys, *simulated).count("contact is lost from ") == 3
 
 
 def test_check_predicts_contact_loss(tmp_path):
@@ -196,5 +196,5 @@ def test_contact_is_predicted_for_each_finger():
     index, middle = pulled_fingers(wired(TWO_FINGERS))
     assert (index.presser, middle.presser) == ("finger at index", "finger at middle")
     assert index.force_n == middle.force_n == 0.5
-    assert "the plate would pull a finger at index of 0.5 N by " in index.line
+    assert "the plate pulls the finger at index (pressed with 0.5 N) with " in index.line
     assert index.first_level != middle.first_level

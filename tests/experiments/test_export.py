@@ -123,7 +123,7 @@ def test_sessions_of_older_and_newer_versions_export_together(data_set, tmp_path
 
 def test_export_refuses_a_folder_that_is_not_empty(data_set, tmp_path) -> None:
     (tmp_path / "mine").write_text("")
-    with pytest.raises(InvalidParameter, match="--out: found that .* holds something, expected a new or an empty"):
+    with pytest.raises(InvalidParameter, match="--out: found files in .*, expected a new or an empty"):
         export(data_set, "r", tmp_path)
 
 
@@ -315,7 +315,9 @@ def test_jspsych_export_has_jspsych_names_and_types(data_set, tmp_path) -> None:
 def test_export_refuses_a_jspsych_column_name(tmp_path) -> None:
     table = tmp_path / "t.csv"
     table.write_text("participant,trial,rt,procedure,level,task,response\nP1,1,a,staircase,1,yes_no,1\n")
-    with pytest.raises(InvalidParameter, match="--to: found jspsych, which uses the name 'rt', expected another form"):
+    with pytest.raises(
+        InvalidParameter, match="--to: found jspsych, which uses the name 'rt' itself, expected another form"
+    ):
         export(table, "jspsych", tmp_path / "js")
 
 

@@ -54,7 +54,7 @@ def test_study_name_with_a_path_is_refused(tmp_path, capsys, form):
     assert (status, files(tmp_path)) == (2, {file})
     assert re.fullmatch(
         r"tactometry: .*trials\.csv, row 2, column 'study': found 'x/\.\./.*OUTSIDE', expected the name of a study: "
-        "words of small letters and digits joined by hyphens",
+        "lower-case letters and digits joined by hyphens",
         said,
     )
 

@@ -95,11 +95,15 @@ def test_file_without_questionnaire_is_refused_by_name(own, tmp_path, capsys, fl
     ("old", "new", "message"),
     [
         ('path = "roughness.toml"', 'path = "roughness.toml"\nlow = 1.0', "forms.roughness.low: found an unknown key"),
-        ('path = "roughness.toml"', "path = 3", "forms.roughness.path: found 3, expected a text, the name of a file"),
-        ('path = "roughness.toml"', 'path = " "', "forms.roughness.path: found ' ', no name, expected the name of a"),
-        ('path = "roughness.toml"', 'path = ""', "forms.roughness.path: found '', no name, expected the name of a"),
-        ('path = "roughness.toml"', 'path = "."', "forms.roughness.path: found '.', a folder, expected the name of"),
-        ('prompt = "The sheet', 'prompt = " " # "The sheet', "inquiries.rough.prompt: found a text that says nothing"),
+        (
+            'path = "roughness.toml"',
+            "path = 3",
+            "forms.roughness.path: found 3, expected a text with the name of a file",
+        ),
+        ('path = "roughness.toml"', 'path = " "', "forms.roughness.path: found ' ', no name, expected the path of a"),
+        ('path = "roughness.toml"', 'path = ""', "forms.roughness.path: found '', no name, expected the path of a"),
+        ('path = "roughness.toml"', 'path = "."', "forms.roughness.path: found '.', a folder, expected the path of"),
+        ('prompt = "The sheet', 'prompt = " " # "The sheet', "inquiries.rough.prompt: found an empty text"),
     ],
 )
 def test_empty_form_table_is_refused(own, tmp_path, capsys, old, new, message):

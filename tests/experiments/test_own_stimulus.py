@@ -142,7 +142,7 @@ def test_own_sensation_needs_permission_to_simulate(own, tmp_path, capsys):
     stimulus = '[factors]\nfrequency_hz = [60, 240]\n\n[stimulus]\nkind = "sine"\n'
     own.write_text(BEFORE + stimulus + OWN_TABLES[OWN_TABLES.index("[sensation]") :] + AFTER)
     said = refused(capsys, "simulate", own, *ALL, "--out", tmp_path / "d")
-    assert "sensation.kind: found 'mine:Felt', a model of what is felt which runs code, expected --allow-" in said
+    assert "sensation.kind: found 'mine:Felt', a sensation model whose code would run, expected --allow-" in said
     assert call(capsys, "run", own, "--participant", "P01", "--rig", "console", "--dry-run")[0] == 0
     assert call(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")[0] == 0
 
@@ -159,8 +159,11 @@ UNCHECKED = f"""        Unchecked = type("Unchecked", (Signal,), {{"__post_init_
     [
         ((SIGNAL, "        return 1 / 0"), "found ZeroDivisionError (division by zero) in at, expected an answer"),
         ((SIGNAL, "        return 3.0"), "found 3.0 as the answer of at, expected a Signal (tactometry.signal)"),
-        ((SIGNAL, SIGNAL.replace('"V"', '"m"')), "mine:Chirp.at(40): found a signal in 'm', expected one in 'V', at"),
-        ((SIGNAL, SIGNAL.replace("[None]", "[None, :900]")), "found a signal of 0.045 s, expected 0.5 s, its duration"),
+        ((SIGNAL, SIGNAL.replace('"V"', '"m"')), "mine:Chirp.at(40): found a signal in 'm', expected the voltage at"),
+        (
+            (SIGNAL, SIGNAL.replace("[None]", "[None, :900]")),
+            "found a signal of 0.045 s, expected 0.5 s, as stated by its duration",
+        ),
         (
             (SIGNAL, SIGNAL.replace("[None]", "[None] * 1j")),
             "Signal.samples: found values of type complex128, expected",
@@ -174,7 +177,7 @@ UNCHECKED = f"""        Unchecked = type("Unchecked", (Signal,), {{"__post_init_
         (("    def sensation_db", "    def felt_db"), "found 'mine:Felt', which lacks sensation_db(signal, contact)"),
         (
             ("        if signal.peak == 0:\n", "        return np.nan\n"),
-            "found nan as the answer of sensation_db, expected a number in dB, or -inf for nothing",
+            "found nan as the answer of sensation_db, expected a number in dB, or -inf if nothing is felt",
         ),
     ],
 )

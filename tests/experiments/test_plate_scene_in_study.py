@@ -75,7 +75,7 @@ ON_A_PLATE = {
     "no threshold": ('effects = [{ kind = "finger_load" }]', "add the effect focus_detection"),
     "what the stimulus states": (
         'effects = [{ kind = "shear" }, { kind = "focus_detection" }]',
-        "scene.effects[0]: found 'shear', which changes what is played or on what, expected what [stimulus] states",
+        "scene.effects[0]: found 'shear', which changes the played signal, expected effects of contact",
     ),
     "an effect of the other surface": (
         'effects = [{ kind = "friction" }, { kind = "focus_detection" }]',
@@ -83,8 +83,8 @@ ON_A_PLATE = {
     ),
     "a scene on the other surface": (
         'name = "electrovibration-panel"',
-        "scene.name: found 'electrovibration-panel', a scene on 'electrovibration', expected one on 'time_reversal', "
-        "such as 'a4-screen'",
+        "scene.name: found 'electrovibration-panel', a scene on 'electrovibration', expected a scene on "
+        "'time_reversal', such as 'a4-screen'",
     ),
     "a scene without a threshold": ('name = "thin-screen"', "add the effect focus_detection"),
     "a finger that lifts off": (
@@ -117,7 +117,7 @@ def test_imperceptible_plate_scene_is_refused(name):
 def test_measured_stimulus_takes_no_scene():
     reading = STIMULI["measured_focus"]
     with pytest.raises(
-        InvalidParameter, match="scene: found a table with a stimulus that no scene plays, expected another"
+        InvalidParameter, match="scene: found a table with a stimulus that no scene supports, expected another"
     ):
         felt_scene({"name": "a4-screen"}, reading.surface, None, None)
 
@@ -135,7 +135,7 @@ def test_documented_plate_is_felt_with_and_without_load():
 
 TWO = """
 [sensation]
-fingers = ["index", "middle"]                   # which places have a finger; each feels the field of all foci there
+fingers = ["index", "middle"]                   # places with a finger; each feels the sum of all foci
 """
 
 

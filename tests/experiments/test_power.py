@@ -49,12 +49,12 @@ def test_power_creates_no_folder_without_pyarrow(capsys, tmp_path, monkeypatch):
 
 REFUSALS = {
     "no factor of that name": (["--effect", "voltage: 2 dB"], "expected a factor of the study (frequency_hz)"),
-    "no unit": (["--effect", "frequency_hz: 2"], "a number without a unit"),
+    "no unit": (["--effect", "frequency_hz: 2"], "without a unit"),
     "another unit": (["--effect", "frequency_hz: 2 m"], "found the unit 'm', expected one of dB, dB SL"),
     "two units": (["--effect", "frequency_hz: 60 = 2 dB, 240 = 1 dB SL"], "one unit for all levels"),
     "no such level": (["--effect", "frequency_hz: 61 = 2 dB"], "expected a level of frequency_hz (60, 240)"),
     "no effect": (["--effect", "frequency_hz: 0 dB"], "expected an effect other than 0"),
-    "a range backwards": (["--participants", "9..6"], "which goes backwards"),
+    "a range backwards": (["--participants", "9..6"], "a descending range"),
     "no range": (["--participants", "six"], "expected a range such as 6..24"),
     "nobody": (["--participants", "0..6"], "expected from 3 to 999"),
     "a target of one": (["--target", "1"], "--target: found 1, expected above 0 and below 1"),
@@ -74,11 +74,11 @@ def test_invalid_power_options_give_one_sentence(capsys, case):
 @pytest.mark.parametrize(
     ("study", "more", "expected"),
     [
-        (TUTORIAL, ["--trials", "41"], "expected as many trials at each level"),
+        (TUTORIAL, ["--trials", "41"], "expected a multiple of the number of levels"),
         (
             load("tutorial")[1].decode().replace("frequency_hz = [60, 240]", "frequency_hz = [60]"),
             [],
-            "with one level (60), expected a factor with two levels",
+            "with one level (60), expected a factor with two or more levels",
         ),
     ],
 )
@@ -92,12 +92,12 @@ def test_unsuitable_study_file_is_refused(capsys, tmp_path, study, more, expecte
 @pytest.mark.parametrize(
     ("study", "effect", "why"),
     [
-        ("grating-roughness", "period_m: 2 dB", "expected one of % exponent, as 'period_m: 20 % exponent'"),
-        ("texture-discrimination", "period_m: 2 dB", "expected one of dB PSE, % JND, as 'period_m: 20 % JND'"),
+        ("grating-roughness", "period_m: 2 dB", "expected one of % exponent, such as 'period_m: 20 % exponent'"),
+        ("texture-discrimination", "period_m: 2 dB", "expected one of dB PSE, % JND, such as 'period_m: 20 % JND'"),
         ("texture-discrimination", "period_m: -100 % JND", "expected a change above -100 %"),
         ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
-        ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels are other places"),
-        ("force-loss", "force_n: 2 dB", "no participant feels an effect"),
+        ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels have different places"),
+        ("force-loss", "force_n: 2 dB", "not sensations of a participant"),
     ],
 )
 def test_unsupported_effects_are_refused_with_the_reason(capsys, study, effect, why):
@@ -140,7 +140,7 @@ def test_observer_without_traits_is_refused(capsys, own):
     own.write_bytes(own.read_bytes().replace(b"Mine", b"Guesser"))
     code, said, _ = call(capsys, "power", own, *ASKED[2:], "--allow-code")
     assert code == 2
-    assert "observer.kind: found 'mine:Guesser', which takes no [observer.people]" in said
+    assert "observer.kind: found 'mine:Guesser', which does not accept [observer.people]" in said
 
 
 @pytest.mark.slow
@@ -198,7 +198,7 @@ def test_page_states_applied_effect_and_inputs(alone):
     assert {"power.csv", "power.png", "power.svg", "asked.json", "study.toml"} <= set(alone)
 
 
-@pytest.mark.parametrize("label", ["target 0.8", "trials of the study", "level of the test 0.05"])
+@pytest.mark.parametrize("label", ["target 0.8", "trials of the study", "significance level 0.05"])
 def test_legend_is_below_the_axes(alone, label):
     places = {
         word: float(y) for y, word in re.findall(r'<text[^>]* y="([0-9.]+)"[^>]*>([^<]+)<', alone["power.svg"].decode())
@@ -223,7 +223,7 @@ def test_damaged_batch_is_refused_with_its_file(capsys, tmp_path, alone):
     restore(tmp_path, {name: content[: 100 if "effect" in name else None] for name, content in alone.items()})
     code, said, _ = call(capsys, *ASKED, "--out", tmp_path, "--resume")
     assert code == 2
-    assert "expected a batch; remove it, then --resume" in said
+    assert "expected a batch; remove it and use --resume" in said
 
 
 def test_bytes_do_not_depend_on_processes(capsys, tmp_path, alone):

@@ -90,7 +90,7 @@ def test_patterns_are_tested_against_the_single_focus():
 
 
 REFUSALS = {
-    "decibels": ("hybrid-button", (), "feedback: 2 dB SL", "the unit 'dB SL', expected points, of the score"),
+    "decibels": ("hybrid-button", (), "feedback: 2 dB SL", "the unit 'dB SL', expected points, the unit of scores"),
     "points of a threshold": ("tutorial", (), "frequency_hz: 2 points", "the unit 'points', expected one of dB, dB SL"),
     "no such dimension": (PATTERNS, (), "pattern: P3 = 1 points", "--dependent: found 'beauty', expected one of PQ"),
     "envelope of no patterns": ("hybrid-button", (), "envelope: 1 points", "expected a factor of the study (feedback)"),
@@ -99,7 +99,7 @@ REFUSALS = {
         "hybrid-button",
         (("[observer.raters]", "[texts]\n#"), ("effects.feedback.both = { realism = 0.2 }", "")),
         "feedback: 1 points",
-        "observer.raters: found none, expected that table: an effect on a score is one on attitudes",
+        "observer.raters: found none, expected the table [observer.raters], as an effect on a score changes attitudes",
     ),
 }
 

@@ -167,7 +167,7 @@ def test_studies_without_a_test_are_told():
     for batch, of_batch in sample(asked, spread=lambda *_: iter(()), kept=rows):
         found.add(replace(row, p=None if row.replicate < 5 and batch.case.has_effect else 0.5) for row in of_batch)
     (told,) = cautions(asked, found.points())
-    assert told.startswith("no test had an answer in 25% of the studies with 3 participants")
+    assert told.startswith("no test had a result in 25% of the studies with 3 participants")
 
 
 def test_sampling_ends_at_the_most_that_was_asked_for():

@@ -38,7 +38,7 @@ def test_stated_widths_give_the_jnd():
     first, second = predicted_jnds(wired(changed(TEXTURE, HALVED)))
     assert first.jnd == pytest.approx(ndtri(0.75) * 6.0 / (2 * ndtri(0.95)))
     assert second.jnd == pytest.approx(first.jnd / 2)
-    assert "steady touch" not in first.line
+    assert "constant touch" not in first.line
 
 
 @pytest.mark.parametrize("levels", ["[39, 39.5, 40]", "[39, 40, 40.1]"])

@@ -99,7 +99,7 @@ def test_changed_stimulus_has_no_emitted_signal(simulated):
     study.write_text(study.read_text("utf-8").replace("500 ms", "400 ms"), "utf-8")
     other, *_ = read_traces(simulated, 2)
     assert other.emitted is None
-    assert "it was recorded by another version, or on a bench" in other.unknown
+    assert "It was recorded by another version, or on a bench" in other.unknown
 
 
 def test_traces_whose_columns_nothing_explains_are_a_defect(tmp_path):

@@ -92,14 +92,14 @@ def test_unfillable_text_is_refused_before_the_session(tmp_path, capsys, flaw, c
 def test_unknown_text_lists_nearest_names_only(tmp_path, capsys):
     path = written(tmp_path, '[texts]\nhint_chose = "A key"\n')
     _, said, _ = call(capsys, "run", path, "--participant", "P01", "--rig", "simulated", "--dry-run")
-    assert said.endswith("or a level that is a text; did you mean 'hint_choose' or 'hint_continue' or 'hint_end'?")
+    assert said.endswith("or a textual level; did you mean 'hint_choose' or 'hint_continue' or 'hint_end'?")
     assert len(said) < 300 + len(str(path))
 
 
 @pytest.mark.parametrize(
     ("key", "message"),
     [
-        ('rest_s = "1 min"', "task.rest_s: found 60 s without rest_after, expected both, or rest_every_s: no rest"),
+        ('rest_s = "1 min"', "task.rest_s: found 60 s without rest_after, expected rest_after or rest_every_s too"),
         ('interleaving = "balanced"', "task.interleaving: found 'balanced' without interleaved tracks"),
         ("catch_rate = 5e-324", "task.catch_rate: found 4.94066e-324, expected 0, or at least 1e-06"),
     ],
@@ -141,7 +141,11 @@ def test_every_group_and_session_is_tried():
     ("text", "warning", "is_replaced"),
     [
         (f"{TUTORIAL}\n{FLAWS['unknown place'][0]}", "cannot be filled ('nope')", True),
-        (TUTORIAL.replace("catch_rate = 0.2", 'rest_s = "1 min"'), "expected both, or rest_every_s: no rest", False),
+        (
+            TUTORIAL.replace("catch_rate = 0.2", 'rest_s = "1 min"'),
+            "expected rest_after or rest_every_s too, as no rest",
+            False,
+        ),
     ],
 )
 def test_locked_study_continues_with_a_warning(tmp_path, capsys, monkeypatch, text, warning, is_replaced):
@@ -153,7 +157,7 @@ def test_locked_study_continues_with_a_warning(tmp_path, capsys, monkeypatch, te
     status, said, out = call(capsys, "run", path, "--participant", "P01", "--rig", "console", "--out", data)
     assert status == 0
     assert warning in said
-    assert ("the shipped text is shown in its place" in said) is is_replaced
+    assert ("the built-in text is shown instead" in said) is is_replaced
     assert "That was all" in out
 
 

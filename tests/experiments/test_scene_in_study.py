@@ -97,7 +97,7 @@ def test_imperceptible_at_rest_is_stated():
     at_rest = TUTORIAL.replace('kind = "slide"', 'kind = "press"').replace('speed_m_per_s = "50 mm/s"\n', "")
     (told,) = felt_effects(wired(at_rest))
     text = " ".join(" ".join(told.lines).split())
-    assert "1 N, at rest: not felt by a finger that rests, computed with the effects skin_leakage" in text
+    assert "1 N, at rest: not felt by a resting finger, computed with the effects skin_leakage" in text
     assert "weber_fraction (not felt with it either)" in text
     assert "inf" not in text
     (sliding,) = felt_effects(wired(TUTORIAL))
@@ -170,16 +170,16 @@ SENTENCES = {
     "accuracy out of reach": (scene(accuracy=1e-12), "loosen the accuracy"),
     "what is played": (
         scene('{ kind = "carrier" }'),
-        "scene.effects[0]: found 'carrier', which changes what is played or on what, expected what [stimulus] states",
+        "scene.effects[0]: found 'carrier', which changes the played signal, expected effects of contact and sensation",
     ),
     "the tone": (
         scene(surface="{ frequency_hz = 60 }"),
-        "scene.surface.frequency_hz: found what [stimulus] states, expected it there alone; remove it",
+        "scene.surface.frequency_hz: found a key of [stimulus], expected it only in [stimulus]; remove it",
     ),
     "another surface": (
         scene(surface='{ kind = "time_reversal" }'),
-        "scene.surface.kind: found 'time_reversal', expected 'electrovibration', which the stimulus is played on; "
-        "where levels of a factor are played on several, state each as [variants.FACTOR.LEVEL.scene]",
+        "scene.surface.kind: found 'time_reversal', expected 'electrovibration', the surface of the stimulus; use "
+        "[variants.FACTOR.LEVEL.scene] if levels of a factor have different surfaces",
     ),
     "unknown scene": (
         named("electrovibration-panle"),
@@ -187,14 +187,17 @@ SENTENCES = {
         "hybrid-screen, thin-screen; did you mean 'electrovibration-panel'?",
     ),
     "no scene file": (named(ROOT / "pyproject.toml"), "pyproject.toml, build-system: found an unknown key"),
-    "scene on a plate": (named("a4-screen"), "scene.name: found 'a4-screen', a scene on 'time_reversal', expected one"),
+    "scene on a plate": (
+        named("a4-screen"),
+        "scene.name: found 'a4-screen', a scene on 'time_reversal', expected a scene on",
+    ),
     "both": (
         named("electrovibration-panel", "effects = []\nsurface = { area_m2 = 1e-4 }\n"),
         "scene.name: found 'electrovibration-panel' next to surface or effects, expected one of the two",
     ),
     "sensation too": (
         scene() + "[sensation]\nreference_force_n = 1e-5\n",
-        "sensation: found a table next to [scene], expected one of the two",
+        "sensation: found a table next to [scene], expected only one of them",
     ),
     "at rest": (
         changed(scene(), {'kind = "slide"': 'kind = "press"', 'speed_m_per_s = "50 mm/s"\n': ""}),

@@ -225,7 +225,7 @@ def test_practice_that_never_meets_its_criterion_ends():
         ('[plan]\nsessions = ["force_n"]', "plan.sessions: found 'force_n', expected a factor (frequency_hz)"),
         (
             '[plan]\nbetween = ["frequency_hz"]\nsessions = ["frequency_hz"]',
-            "plan.sessions: found 'frequency_hz', which is in plan.between too, expected each factor once",
+            "plan.sessions: found 'frequency_hz', which is also in plan.between, expected each factor once",
         ),
         ('[plan]\norders = { latin = ["frequency_hz"] }', "plan.orders: found 'latin', expected one of williams"),
         ('[plan]\norders = { random = ["hz"] }', "plan.orders.random: found 'hz', expected a factor (frequency_hz)"),
@@ -307,7 +307,7 @@ def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
 @pytest.mark.parametrize(
     ("table", "sentence"),
     [
-        ('kind = "preference"\nover = "force_n"', "task.over: found 'force_n', expected a factor of at least two"),
+        ('kind = "preference"\nover = "force_n"', "task.over: found 'force_n', expected a factor with at least two"),
         ('kind = "rating"\nform = "attrakdif"', "task.form: found 'attrakdif', expected one of attrakdiff"),
         ('kind = "comparison"', "task.standard_level: found no such key, expected a number"),
         (

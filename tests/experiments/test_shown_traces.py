@@ -59,9 +59,9 @@ def test_show_refuses_folder_without_data_set(tmp_path, capsys):
 def test_show_says_which_trial_and_whose_it_wants(capsys, tmp_path):
     status, errors, _ = call(capsys, "show", RECORDED_TRACES, "--trial", 99)
     assert status == 2
-    assert "trial: found 99, expected one of participant-P01_session-1_study-tutorial, from 1 to 2" in errors
+    assert "trial: found 99, expected a trial of participant-P01_session-1_study-tutorial, from 1 to 2" in errors
     status, errors, _ = call(capsys, "show", RECORDED_TRACES, "--trial", 1, "--participant", "P02")
-    assert (status, "found 0 sessions of P02, expected one; say which" in errors) == (2, True)
+    assert (status, "found 0 sessions of P02, expected one; state its participant" in errors) == (2, True)
     assert call(capsys, "show", RECORDED_TRACES, "--trial", 1, "--figure", tmp_path / "t.doc")[0] == 2
 
 
@@ -145,11 +145,14 @@ FORCE = {"Description": "Applied force", "Units": "N"}
         ({"SamplingFrequency": float("inf")}, "SamplingFrequency: found inf, expected"),
         ({"SamplingFrequency": 10**400}, "SamplingFrequency: found 1000"),
         ({"SamplingFrequency": True}, "SamplingFrequency: found True, expected"),
-        ({"SamplingFrequency": 1e9}, "SamplingFrequency: found 1e+09 Hz, expected the rate of its samples"),
+        ({"SamplingFrequency": 1e9}, "SamplingFrequency: found 1e+09 Hz, expected the rate of the samples"),
         ({"Columns": None}, "Columns: found None, expected a list of distinct names"),
         ({"Columns": ["time_s", 1]}, "Columns: found ['time_s', 1], expected a list of distinct names"),
         ({"Columns": ["time_s", "time_s"]}, "Columns: found ['time_s', 'time_s'], expected"),
-        ({"Columns": ["time_s"]}, "Columns: found ['time_s'], expected one for each of the 2 columns of its samples"),
+        (
+            {"Columns": ["time_s"]},
+            "Columns: found ['time_s'], expected a name for each of the 2 columns of the samples",
+        ),
         ({"force_n": None}, "'force_n': found None, expected an object with the texts Description and Units"),
         ({"force_n": {"Units": "N"}}, "'force_n': found {'Units': 'N'}, expected an object"),
         ({"force_n": FORCE | {"Units": 1}}, "'force_n': found {'Description': 'Applied force', 'Units': 1}, expected"),

@@ -31,7 +31,7 @@ def test_changed_facts_of_a_sitting_are_reported(tmp_path):
     assert sit(tmp_path, SOUND, stops_at=4) == []
     louder = {**SOUND, "output_volts_per_unit": 400.0, "output_n_underruns": 9, "utc_minus_clock_s": 2.0}
     assert sit(tmp_path, louder, stops_at=3, resume=True) == [
-        "this sitting is not as the last one: output_volts_per_unit was 200.0, is 400.0"
+        "changes since the last part of this session: output_volts_per_unit was 200.0, is 400.0"
     ]
     assert sit(tmp_path, louder, resume=True) == []
     recording = read(journal_of(tmp_path))

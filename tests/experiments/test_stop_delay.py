@@ -122,13 +122,13 @@ def test_guard_closes_device_that_buffers_too_much():
 def test_check_shows_the_worst_case_stop(latency_s, fine):
     bench = bench_of(latency_s=latency_s)
     found = {each.what: each for each in devices(bench, STUDY, None, hands_off=False)}
-    shown = found["worst-case stop, by the bench file"]
+    shown = found["worst-case stop, from the bench file"]
     assert (shown.found, shown.expected, shown.fine) == (f"{1e3 * latency_s + 6:.1f} ms", "at most 100 ms", fine)
 
 
 def test_check_states_the_current_of_a_stop():
     found = {each.what: each for each in devices(bench_of(), STUDY, None, hands_off=False)}
-    shown = found["largest current of a stop, no limit holds"]
+    shown = found["largest current of a stop, without a limit"]
     assert shown.found == "8e-05 A from 80 V in 1 ms"  # 1 nF x 80 V / 1 ms
 
 

@@ -208,7 +208,7 @@ def test_departures_are_listed_with_their_reason(whole):
     _, found = whole
     table = found.tables["comparisons"].copy()
     assert departures(table).empty
-    assert "No share departs from what is stated." in page(found)
+    assert "No share differs significantly from the stated value." in page(found)
     table.loc[0, "verdict"] = "too few"
     wrong = page(Validated(SMALL, {"comparisons": table}, found.seconds))
     assert "- *equality*, too few in 1 of the rows: as for the difference." in wrong

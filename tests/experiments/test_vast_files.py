@@ -108,8 +108,8 @@ def test_variant_without_table_is_refused():
     [
         ('[60, "60"]', r"factors\.place\[1\]: found '60' twice"),
         ("[60, nan]", r"factors\.place\[1\]: found nan, expected a finite number or a text"),
-        ('["a", ""]', r"factors\.place\[1\]: found '', expected a text of one line"),
-        ('["a", "b\\n"]', r"factors\.place\[1\]: found 'b\\n', expected a text of one line"),
+        ('["a", ""]', r"factors\.place\[1\]: found '', expected a non-empty text of one line"),
+        ('["a", "b\\n"]', r"factors\.place\[1\]: found 'b\\n', expected a non-empty text of one line"),
     ],
 )
 def test_levels_that_a_table_cannot_tell_apart_are_refused(levels, message):
@@ -169,7 +169,7 @@ def test_session_of_more_than_three_hours_is_reported(tmp_path, capsys):
     path.write_text(TUTORIAL.replace("repeats = 4", "repeats = 300"), "utf-8")
     status, said, out = call(capsys, "run", path, "--participant", "P01", "--dry-run")
     assert (status, said.count("\n")) == (0, 0)
-    assert said.startswith("found a session of at most 4.17 hours, which is more than 3: ask for fewer trials")
+    assert said.startswith("found a session of at most 4.17 hours, which is more than 3: plan fewer trials")
     assert "at most 250 minutes" in out
 
 
@@ -179,7 +179,7 @@ def test_session_over_a_day_is_refused_unless_simulated(tmp_path, capsys):
     for more in (["--dry-run"], ["--rig", "console", "--out", out]):
         status, said, _ = call(capsys, "run", path, "--participant", "P01", *more)
         assert status == 2
-        assert "procedure: found a session of at most 44.4 hours, expected at most 24; ask for fewer" in said
+        assert "procedure: found a session of at most 44.4 hours, expected at most 24; plan fewer" in said
     assert not out.exists()
     assert call(capsys, "run", path, "--participant", "P01", "--rig", "simulated", "--out", out)[0] == 0
 

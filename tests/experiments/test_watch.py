@@ -91,7 +91,7 @@ def test_session_whose_process_is_gone_ended_without_closing(journal):
         assert watcher.look().state == "running"
     clock.now_s = LOOK_AROUND_S
     assert watcher.look().state == "ended without closing"
-    assert "run goes on with --resume" in view.alerts(watcher.look())[0]
+    assert "continue with run --resume" in view.alerts(watcher.look())[0]
     journal.holds(21)
     assert watcher.look().state == "running"
 

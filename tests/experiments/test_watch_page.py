@@ -49,8 +49,8 @@ def test_screen_reader_gets_page_contents(tab, journal):
     assert "presentations" in images[0]
     assert "threshold" in images[1]
     assert {name for role, name in told if role == "table"} == {
-        "The last touches, the newest first",
-        "Every track that has begun, the newest first",
+        "Last touches, newest first",
+        "Tracks that have begun, newest first",
     }
     assert [name for role, name in told if role == "progressbar"] == ["Trials of this part", "Trials of the session"]
 

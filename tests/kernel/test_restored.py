@@ -168,7 +168,7 @@ def test_participant_codes_must_differ_beyond_case(lived):
     assert validate(lived).notes == ()
     for path in [*(lived / "data").iterdir(), *(lived / "journals").iterdir()]:
         shutil.copy(path, path.with_name(path.name.replace("P01", "p01")))
-    assert any("P01 and p01 differ in capitals alone" in note for note in validate(lived).notes)
+    assert any("P01 and p01 differ only in capital letters" in note for note in validate(lived).notes)
 
 
 def test_only_one_of_concurrent_studies_gets_the_folder(tmp_path):
@@ -203,8 +203,8 @@ def test_rebuild_removes_drafts_and_keeps_their_rows(lived, capsys):
     told = validate(lived)
     assert told.defects == ()
     assert [note.partition(": ")[2] for note in told.notes] == [
-        "a draft that an interruption left; remove it",
-        *["a draft that an interruption left; tactometry rebuild removes it"] * 2,
+        "a temporary file left by an interruption; remove it",
+        *["a temporary file left by an interruption; tactometry rebuild removes it"] * 2,
     ]
     assert call(capsys, "rebuild", lived)[0] == 0
     assert kept_rows(lived) == ["P01,1,tutorial,9,99"]
@@ -224,7 +224,7 @@ def test_validate_refuses_trials_file_without_rows(lived, capsys):
     path.write_bytes(path.read_bytes().partition(b"\n")[0] + b"\n")
     status, _, out = call(capsys, "validate", path)
     assert status == 1
-    assert "found a header alone, expected a row for each trial" in out
+    assert "found only a header, expected a row for each trial" in out
 
 
 def test_validate_reports_simulated_participants_mixed_with_people(lived, capsys):

@@ -68,7 +68,7 @@ STAIRCASE = "start = 34\nsteps = [8]\nlow = -10\nhigh = 40"
         (f'kind = "quest"\n{QUEST}\neasy_level = 40', "without easy_share"),
         (f'kind = "staircase"\n{STAIRCASE}\neasy_share = 0.1\neasy_level = 41', "from -10 to 40"),
         (f'kind = "staircase"\n{STAIRCASE}\nesy_share = 0.1', "did you mean 'easy_share'?"),
-        ('kind = "constant_stimuli"\nlevels = [1, 2]\nrepeats = 2\neasy_share = 0.1', "levels do not follow"),
+        ('kind = "constant_stimuli"\nlevels = [1, 2]\nrepeats = 2\neasy_share = 0.1', "levels do not depend"),
     ],
 )
 def test_impossible_easy_trials_are_refused(tmp_path, procedure, why):

@@ -107,7 +107,7 @@ def test_adjustment_with_output_is_refused_before_writing(tmp_path, capsys, monk
     changes = {**SHORT, 'kind = "yes_no"\ncatch_rate = 0.0': set_by_hand}
     status, said, _ = run(capsys, monkeypatch, tmp_path, "--bench", tmp_path / "bench.toml", changes=changes)
     assert status == 2
-    assert "--rig: found console, where no level plays while it is set, expected bench for the adjustments" in said
+    assert "--rig: found console, which plays no level during an adjustment, expected bench; or remove" in said
     assert not (tmp_path / "d").exists()
 
 

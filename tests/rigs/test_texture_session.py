@@ -75,7 +75,7 @@ def test_sound_output_follows_measured_positions(needed, sink, tmp_path, capsys)
     kept = positions.read_bytes()
     positions.write_bytes(kept[:-3] + b"9\n")
     (defect,) = validate(tmp_path / "d").defects
-    assert "found another path than the one that was followed under" in str(defect)
+    assert "found another path than the recorded one under" in str(defect)
     positions.unlink()
     (defect,) = validate(tmp_path / "d").defects
     assert f"found no such file, expected the positions of {len(touched)} trials" in str(defect)

@@ -124,7 +124,7 @@ def test_emitted_signal_is_recomputed_and_checked_by_digest(recorded, copied, ca
     study.write_text(study.read_text("utf-8").replace("frequency_hz = [60]", "frequency_hz = [61]"), "utf-8")
     other, *_ = read_traces(copied, 1)
     assert other.emitted is None  # a signal with another digest is not returned
-    assert other.unknown.startswith(f"the study gives another signal than that of the digest {touch.answer.digest}; ")
+    assert other.unknown.startswith(f"the study's signal differs from the recorded digest {touch.answer.digest}. ")
     assert (touch.unknown, f"unknown: {other.unknown}" in output(capsys, *shown)) == (None, True)
     np.testing.assert_array_equal(other.force.values, touch.force.values)
 

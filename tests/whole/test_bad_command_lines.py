@@ -18,7 +18,7 @@ COMMAND_LINES = {
     "unknown study": (
         ["simulate", "tutorail", "--participants", "1", "--seed", "1", "--out", "d"],
         2,
-        "tutorail: found no such file nor built-in study, expected .*; did you mean 'tutorial'\\?",
+        "tutorail: found no such file or built-in study, expected .*; did you mean 'tutorial'\\?",
     ),
     "no participants": (
         ["simulate", "tutorial", "--participants", "0", "--seed", "1", "--out", "d"],
@@ -48,12 +48,12 @@ COMMAND_LINES = {
     "code without number": (
         ["run", "tutorial", "--participant", "AK", "--rig", "simulated", "--out", "d"],
         2,
-        "participant 'AK': found no number from 1 for counterbalancing, .*; or give --number",
+        "participant 'AK': found no number from 1 for counterbalancing, .*; or state --number",
     ),
     "code without number, to go on": (
         ["run", "tutorial", "--participant", "AK", "--rig", "console", "--out", "d", "--resume"],
         2,
-        "participant 'AK': found no number from 1 for counterbalancing, .*; or give --number",
+        "participant 'AK': found no number from 1 for counterbalancing, .*; or state --number",
     ),
     "session 0": (
         ["run", "tutorial", "--participant", "P01", "--session", "0", "--rig", "simulated", "--out", "d"],
@@ -81,7 +81,7 @@ COMMAND_LINES = {
         2,
         "nowhere: no such file or folder, expected a data set or a CSV file of trials",
     ),
-    "unknown built-in": (["new", "nothing"], 2, "nothing: found no such file nor built-in study, expected .*"),
+    "unknown built-in": (["new", "nothing"], 2, "nothing: found no such file or built-in study, expected .*"),
 }
 
 

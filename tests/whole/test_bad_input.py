@@ -102,8 +102,8 @@ STUDIES = {
     ),
     "a slide over a focus": (
         FOCUS.replace('kind = "press"', 'kind = "slide"\nspeed_m_per_s = 0.05'),
-        "s.toml, touch.kind: found 'slide' with the stimulus 'focus', expected 'press': a finger that slides leaves a "
-        "focus; take 'hybrid' for a focus and friction at once",
+        "s.toml, touch.kind: found 'slide' with the stimulus 'focus', expected 'press', as a sliding "
+        "finger leaves the focus; use 'hybrid' for focus and friction together",
     ),
     "a finger beside the plate": (
         FOCUS + "[sensation]\nfinger_x_m = -1.0\n",
@@ -125,8 +125,8 @@ STUDIES = {
     ),
     "more answers than places": (
         FOCI.replace('"index + middle"]', '"index + middle", "middle + index"]'),
-        "s.toml, task.over: found 4 alternatives of 'place' at 3 places, expected no more answers than places; "
-        "give each a separate place",
+        "s.toml, task.over: found 4 alternatives of 'place' at 3 places, expected a separate place for each "
+        "alternative",
     ),
     "patches without a side": (
         FOCUS + "[stimulus.setup]\nside_m = 0.0\n",
@@ -155,8 +155,8 @@ STUDIES = {
     ),
     "catch trials in forced choice": (
         TUTORIAL.replace('"yes_no"', '"forced_choice"'),
-        "s.toml, task.catch_rate: found 0.2 with forced_choice, expected 0: every trial of a forced choice holds a "
-        "stimulus; remove the key",
+        "s.toml, task.catch_rate: found 0.2 with forced_choice, expected 0, as every trial of a forced choice "
+        "contains a stimulus; remove the key",
     ),
     "unknown stimulus": (
         TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
@@ -186,12 +186,12 @@ STUDIES = {
     ),
     "factor and value": (
         TUTORIAL.replace('duration_s = "500 ms"', 'duration_s = "500 ms"\nfrequency_hz = 60'),
-        "s.toml, stimulus.frequency_hz: found a value that is a factor too, expected one of the two; remove it here or "
-        "in factors",
+        "s.toml, stimulus.frequency_hz: found a value that is also a factor, expected only one of them; remove it "
+        "here or in factors",
     ),
     "factor named as a column": (
         TUTORIAL.replace("frequency_hz = [60, 240]", "level = [60, 240]"),
-        "s.toml, factors.level: found a name that is a column of every trials table, expected another",
+        "s.toml, factors.level: found the name of a column in every trials table, expected another name",
     ),
     "counterbalance of no factor": (
         THRESHOLD.replace('["force_n", "frequency_hz"]', '["force_m"]'),
@@ -200,7 +200,7 @@ STUDIES = {
     ),
     "name": (
         TUTORIAL.replace('name = "tutorial"', 'name = "../up"'),
-        "s.toml, name: found '../up', expected words of small letters and digits joined by hyphens",
+        "s.toml, name: found '../up', expected lower-case letters and digits joined by hyphens",
     ),
     "negative force": (
         TUTORIAL.replace("force_n = 1.0", "force_n = -1.0"),

@@ -96,12 +96,12 @@ def test_page_lists_misses_and_failures_with_earlier_results(folder: Path) -> No
     assert "0 of 1 required values are reached, 1 missed" in page
     assert MISSED in page
     failed = page.partition("## torn")[2]
-    assert re.search(r"\*\*FAILED\*\* \(.*exit status 1: no display\); there is no run before", failed)
+    assert re.search(r"\*\*FAILED\*\* \(.*exit status 1: no display\); there is no previous run", failed)
     (folder / "whole.py").write_text(TELLS.format(status=3), "utf-8")
     table.renew(["whole"], 1, folder)
     section = (folder / "README.md").read_text("utf-8").partition("## whole")[2]
     assert MISSED in section
-    assert re.search(r"\*\*FAILED\*\* .* the rows are of the run before", section)
+    assert re.search(r"\*\*FAILED\*\* .* the rows are from the previous run", section)
 
 
 @pytest.mark.parametrize(("value", "is_missed"), [(2.0, True), (1.0, False)])

@@ -136,7 +136,7 @@ def test_silent_scheduler_is_a_failed_device(tmp_path, capsys):
     pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
     code, said, _ = call(capsys, *SIMULATED, "--out", tmp_path / "d", "--scheduler", "nonsense://nowhere")
     assert code == 3
-    assert "no Dask scheduler answers at 'nonsense://nowhere'" in said
+    assert "no Dask scheduler responds at 'nonsense://nowhere'" in said
 
 
 def test_endless_nonsense_stops_a_console_session(tmp_path, capsys, monkeypatch):

@@ -1,1 +1,1 @@
-"""Accuracy problems, imported by name."""
+"""Accuracy problems, grouped by topic."""

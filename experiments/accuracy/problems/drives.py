@@ -1,4 +1,4 @@
-"""Accuracy problems of drives."""
+"""Accuracy problems of drive signals."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,15 +33,15 @@ def oversampling() -> Problem:
     """Compare a sampled one-bit drive with one that may switch at any time."""
     screen = replace(A4_PROTOTYPE, sources=A4_PROTOTYPE.sources[::8])
     return Problem(
-        "rms error of the focus that a channel makes over the rms focus, one bit, modes below 10 kHz, 4 ms",
-        reference=Reference("closed integrals between the zeros", lambda: _at_crossings(screen), 1e-8),
+        "rms error of the focus of each channel over the rms focus, one bit, modes below 10 kHz, 4 ms",
+        reference=Reference("closed-form integrals between zero crossings", lambda: _at_crossings(screen), 1e-8),
         error=over_rms,
         settings=tuple(Setting(f"{hz / 1e3:g} kHz", partial(_emission, screen, hz)) for hz in ONE_BIT_RATES_HZ),
     )
 
 
 def _emission(screen: Screen, rate_hz: float) -> Real:
-    """Return each one-bit channel's displacement (n_foci, n_channels)."""
+    """Return displacements due to each one-bit channel (n_foci, n_channels)."""
     timing: dict[str, Any] = {"rate_hz": rate_hz, "duration_s": ONE_BIT_LASTS_S, "f_max_hz": ONE_BIT_TO_HZ}
     heard = impulse_responses(screen, FOCI_M, **timing)
     drives = [drive(heard.at_point(n), 1.0).samples[:, ::-1] for n in range(heard.n_points)]
@@ -49,7 +49,7 @@ def _emission(screen: Screen, rate_hz: float) -> Real:
 
 
 def _at_crossings(screen: Screen) -> Real:
-    """Return integrals of |h| between its exact zeros."""
+    """Return integrals of |h| between its exact zero crossings."""
     modes = screen.oscillators(ONE_BIT_TO_HZ)
     forces = screen.modal_forces(ONE_BIT_TO_HZ) / screen.plate.mass_kg
     shapes = values_at(screen, FOCI_M, ONE_BIT_TO_HZ)
@@ -67,17 +67,17 @@ def _integral(modes: Oscillators, weights: Real) -> float:
     ends_s = np.concatenate([[0.0], zeros_s, [ONE_BIT_LASTS_S]])
     velocity, displacement = (modes.impulse_at(ends_s, quantity) for quantity in ("velocity", "displacement"))
     moved = 1 - velocity - 2 * modes.decay_per_s[:, None] * displacement
-    integrals = moved / modes.omega_rad_per_s[:, None] ** 2  # by the equation of motion
+    integrals = moved / modes.omega_rad_per_s[:, None] ** 2  # follows from the equation of motion
     return float(np.abs(np.diff(weights @ integrals)).sum())
 
 
 def modulated(order: int) -> Problem:
-    """Compare the sigma-delta bits of a tone with the tone."""
+    """Compare a tone's sigma-delta bit stream with the tone."""
     line = np.zeros(round(BAND_HZ * TONE_LASTS_S) + 1, complex)
     line[round(TONE_HZ * TONE_LASTS_S)] = -1j * TONE_AMPLITUDE
     return Problem(
         f"rms error in the band of 0 to 25 kHz over the rms of a 5 kHz tone, order {order}, 20 ms",
-        reference=Reference("the line of the tone", lambda: line, 1e-12),
+        reference=Reference("the spectral line of the tone", lambda: line, 1e-12),
         error=over_rms,
         settings=tuple(Setting(f"{hz / 1e6:g} MHz", partial(_modulation, order, hz)) for hz in BIT_RATES_HZ),
     )
@@ -101,25 +101,25 @@ def _spectrum(samples: NDArray[np.generic]) -> Complex:
 
 
 def reversal_amplitude() -> Problem:
-    """Compare focus amplitudes of shorter reversal times with the longest."""
+    """Compare focus amplitudes at shorter reversal times with the longest one."""
     heard = _responses()
     return _against_time(
-        "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
+        "loss of focus amplitude at a shorter reversal time T (one bit, tau = 3.5 ms)",
         lambda reversal_s: focus_amplitude(drive(heard, 1.0, reversal_s=reversal_s), heard),
-        Reference("convolution of the whole drive, last sample", lambda: _emitted_m(heard), 6.2e-6),
+        Reference("convolution with the whole drive, last sample", lambda: _emitted_m(heard), 6.2e-6),
     )
 
 
 def reversal_contrast() -> Problem:
-    """Compare contrasts of shorter reversal times with the longest.
+    """Compare focus contrasts at shorter reversal times with the longest one.
 
-    The contrast is the amplitude of the focus over the rms of the plate.
+    The contrast is the focus amplitude over the rms amplitude of the plate.
     """
     heard = _responses()
     return _against_time(
-        "contrast of the focus (over the rms of the plate) that a shorter T loses (one bit, tau = 3.5 ms)",
+        "loss of focus contrast (over the rms of the plate) at a shorter T (one bit, tau = 3.5 ms)",
         partial(_contrast, heard),
-        Reference("exact steps of the modes", lambda: _contrast_of_modes(heard), 1e-9),
+        Reference("exact time steps of the modes", lambda: _contrast_of_modes(heard), 1e-9),
     )
 
 
@@ -149,9 +149,9 @@ def _contrast(heard: Responses, reversal_s: float) -> float:
 
 
 def _contrast_of_modes(heard: Responses) -> float:
-    """Return the contrast by exact steps of the modes.
+    """Return the contrast from exact time steps of the modes.
 
-    The squared modal amplitudes add up to the mean square of the plate.
+    The sum of the squared modal amplitudes is the mean square over the plate.
     """
     signal = drive(heard, 1.0)
     modes = modal_history(A4_PROTOTYPE, signal, [signal.samples.shape[1] - 1], F_MAX_HZ)

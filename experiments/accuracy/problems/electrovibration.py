@@ -18,13 +18,13 @@ FREQUENCY_HZ, SINE_LASTS_S, COARSEST_HZ, AREA_M2 = 240.0, 0.1, 5_000, 1e-4
 FACTORS = (1, 4, 16, 64, 256)
 DURATION_S, FORCE_N, SPEED_M_PER_S = 0.2, 0.2, 0.05
 DAMPING_N_S_PER_M = 4040 / (2 * pi * 13.8e3)
-"""Low, so that the pad sticks for some milliseconds."""
+"""Low damping, so that the finger pad sticks for some milliseconds."""
 N_SAMPLES = (20, 200, 2_000, 20_000)
 SILENCE_DB_RE_1V = -120.0
 
 
 def skin_propagator() -> Problem:
-    """Compare the force of sampled voltages with that of the sine."""
+    """Compare the force of a sampled sine voltage with the closed form."""
     area: dict[str, Any] = {"skin": Skin(), "area_m2": AREA_M2, "law": "sc_layer"}
 
     def sampled(factor: int) -> Real:
@@ -36,8 +36,8 @@ def skin_propagator() -> Problem:
         return force_per_square_volt_n(Skin(), AREA_M2) * layer_v**2
 
     return Problem(
-        "largest error of the force of a 240 Hz sine over its peak, exact recurrence on samples",
-        reference=Reference("closed form of a sine", closed_form, 1e-12),
+        "largest error of the force of a 240 Hz sine over its peak, exact recurrence over samples",
+        reference=Reference("closed form for a sine", closed_form, 1e-12),
         error=over_largest,
         settings=tuple(Setting(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(sampled, k)) for k in FACTORS),
     )
@@ -50,12 +50,12 @@ def sample_times_s(factor: int) -> Real:
 
 
 def friction_events() -> Problem:
-    """Compare samples around the first break-away with its event."""
+    """Compare the sampled time of the first break-away with the exact time."""
     finger, friction = pad(), DryFriction(gated=False)
     hold_n = friction.static * FORCE_N - finger.damping_n_s_per_m * SPEED_M_PER_S
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
     return Problem(
-        "time of the first break-away between two samples; the motion itself is exact",
+        "error of the sampled time of the first break-away; the motion itself is exact",
         reference=Reference("closed form without voltage", lambda: breakaway_s, 1e-10),
         error=lambda ends_s, reference_s: max(abs(end_s / reference_s - 1) for end_s in ends_s),
         settings=(*(Setting(f"{n} samples", partial(_read_off, n)) for n in N_SAMPLES), Setting("event", _event)),
@@ -63,7 +63,7 @@ def friction_events() -> Problem:
 
 
 def pad() -> Finger:
-    """Return a finger pad with stick and slip."""
+    """Return a finger pad with stick-slip friction."""
     return Finger.at_speed(SPEED_M_PER_S, DAMPING_N_S_PER_M)
 
 

@@ -21,10 +21,10 @@ DURATION_S, PADDINGS = 1.6, (1, 2, 4, 8, 16)
 
 
 def filter_bank() -> Problem:
-    """Sample taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``, with aliased harmonics."""
+    """Sample taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``, which alias."""
     return Problem(
-        "largest error of the amplitude that a channel (NP III, NP I, P) senses of taps at 2.5 Hz, by sampling rate",
-        reference=Reference("the Fourier series of the taps, thresholds written out", _transformed, 1e-8),
+        "largest error of the sensed amplitude of taps at 2.5 Hz (channels NP III, NP I, P), by sampling rate",
+        reference=Reference("Fourier series of the taps, explicit thresholds", _transformed, 1e-8),
         error=largest_relative,
         settings=tuple(Setting(f"{rate_hz / 1e3:g} kHz", partial(_sampled_taps, rate_hz)) for rate_hz in RATES_HZ),
     )
@@ -44,7 +44,7 @@ def _channel_amplitudes(parts: Components) -> Real:
 
 
 def _transformed() -> Real:
-    """Return sensed amplitudes by the Fourier transform of a tap."""
+    """Return the sensed amplitudes from the Fourier transform of a tap."""
     f = np.linspace(TAPS_HZ, HIGHEST_HZ, round(HIGHEST_HZ / TAPS_HZ))
     fall, rise = (-np.expm1(-1 / TAPS_HZ / tau_s) / (1 / tau_s + 2j * np.pi * f) for tau_s in (FALL_S, RISE_S))
     amplitudes = 2 * TAPS_HZ * np.abs(fall - rise)
@@ -55,10 +55,10 @@ def _transformed() -> Real:
 
 
 def sensitivity() -> Problem:
-    """Sample four tones with offsets, as amplitudes over thresholds."""
+    """Compute sensed amplitudes of four tones from windowed spectra."""
     return Problem(
-        "largest error of the sensed amplitude of tones between 40 and 320 Hz, windowed spectrum of a record",
-        reference=Reference("the formula of the curve of sensitivity, written out", _written_out, 1e-12),
+        "largest error of the sensed amplitude of tones between 40 and 320 Hz, from windowed spectra",
+        reference=Reference("explicit formula of the sensitivity curve", _written_out, 1e-12),
         error=largest_relative,
         settings=tuple(
             Setting(f"padded to {p * DURATION_S:g} s", partial(_from_record, p), p * DURATION_S) for p in PADDINGS
@@ -78,6 +78,6 @@ def _from_record(padding: int) -> Real:
 
 
 def _written_out() -> Real:
-    """Return the sensitivity of Meissner and Pacini channels."""
+    """Return the sensitivity of the Meissner and Pacini channels."""
     bowls_db = np.minimum(48 - 5 * np.log2(FREQUENCIES_HZ / 3), 12 * np.abs(np.log2(250 / FREQUENCIES_HZ)))
     return np.asarray(10 ** (-bowls_db / 20))

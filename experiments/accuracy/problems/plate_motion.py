@@ -1,4 +1,4 @@
-"""Accuracy problems of plates in time, with and without a finger."""
+"""Accuracy problems of plate motion, with and without a finger."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -34,11 +34,11 @@ Event = Callable[[float, Real], float]
 
 
 def time_integration() -> Problem:
-    """Compare modes stepped in time with exact matrix exponentials."""
+    """Compare time-stepped modes with exact matrix exponentials."""
     modes = A4_PROTOTYPE.oscillators(TONE_TO_HZ)
     return Problem(
         f"largest error of {modes.n} modal displacements over the largest, tone of 4 kHz from rest, 5 ms",
-        reference=Reference("powers of the exponential of mode and tone", lambda: _mode_powers(modes), 1e-10),
+        reference=Reference("powers of the matrix exponential of mode and tone", lambda: _mode_powers(modes), 1e-10),
         error=over_largest,
         settings=_by_rate(TONE_RATE_HZ, FACTORS, partial(_propagation, modes)),
     )
@@ -49,7 +49,7 @@ def _by_rate(rate_hz: float, factors: tuple[int, ...], run: Callable[[int], Real
 
 
 def times_s(factor: int) -> Real:
-    """Return the sample times (s) of the tone at `factor` times `TONE_RATE_HZ`."""
+    """Return the tone's sample times (s) at `factor` times `TONE_RATE_HZ`."""
     return np.arange(round(TONE_LASTS_S * TONE_RATE_HZ) * factor + 1) / (TONE_RATE_HZ * factor)
 
 
@@ -77,11 +77,11 @@ def _powers(step: Real, start: Real, n: int) -> Real:
 
 
 def finger_load() -> Problem:
-    """Compare responses under a finger of 2 N with those of coupled modes."""
+    """Compare responses under a 2 N finger with those of coupled modes."""
     load = Fingertip(mass_kg=1e-4, stiffness_n_per_m=1e3).load(PRESSED_M, 2.0)
     return Problem(
-        "largest error of the responses under a finger of 2 N over the largest, modes below 4 kHz, 4 ms",
-        reference=Reference("the exponential of all modes at once", lambda: _coupled_modes(load), 1e-9),
+        "largest error of the responses under a 2 N finger over the largest, modes below 4 kHz, 4 ms",
+        reference=Reference("matrix exponential of all coupled modes", lambda: _coupled_modes(load), 1e-9),
         error=over_largest,
         settings=_by_rate(LOADED_RATE_HZ, FACTORS, partial(_loaded_response, load)),
     )
@@ -110,11 +110,13 @@ def _coupled_modes(load: PlateLoad) -> Real:
 
 
 def lift_off() -> Problem:
-    """Compare contact checked at samples with contact events."""
+    """Compare contact checked at sample times with exact contact events."""
     return Problem(
-        "largest error of the displacement under a finger of 0.5 N that lifts off, over the largest, 3 ms",
+        "largest error of the displacement under a 0.5 N finger that lifts off, over the largest, 3 ms",
         reference=Reference(
-            "Runge-Kutta of order 8 from event to event", lambda: by_events(Fingertip(), FORCE_N, RATE_HZ)[0], 1e-8
+            "Runge-Kutta method of order 8 between contact events",
+            lambda: by_events(Fingertip(), FORCE_N, RATE_HZ)[0],
+            1e-8,
         ),
         error=over_largest,
         settings=_by_rate(RATE_HZ, LIFT_OFF_FACTORS, _displacement_m),
@@ -136,7 +138,7 @@ def _displacement_m(factor: int) -> Real:
 def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, Real, int]:
     """Integrate modes and skin as one system with contact events.
 
-    Returns the displacements of plate and skin, and the number of events.
+    Returns the displacements of plate and skin, and the number of contact events.
     """
     from scipy.integrate import solve_ivp
 
@@ -148,7 +150,7 @@ def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, 
     plate, skin = np.zeros(t.size), np.zeros(t.size)
     options: dict[str, Any] = {"method": "DOP853", "dense_output": True, "rtol": 1e-9, "atol": 1e-15}
     while now < t[-1]:
-        together = together and pressed_n(now, state) >= 0  # otherwise the plate recedes faster than the skin
+        together = together and pressed_n(now, state) >= 0  # else the plate recedes faster than the skin
         event = pressed_n if together else apart_m
         run = solve_ivp(partial(slope, together=together), (now, t[-1]), state, events=event, **options)
         during = (t >= now) & (t <= run.t[-1])
@@ -162,7 +164,7 @@ def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, 
 def _equations(
     modes: Oscillators, here: NDArray[np.float64], finger: Fingertip, force_n: float
 ) -> tuple[Callable[..., Real], Event, Event]:
-    """Return the derivative of modes, speeds and skin, and both events."""
+    """Return the derivative of modes, speeds and skin, and the event functions."""
     load, n = finger.load(AT_M, force_n), modes.n
     resistance, stiffness = load.resistance_n_s_per_m, load.stiffness_n_per_m
 

@@ -1,4 +1,4 @@
-"""Accuracy problems of plates: frequencies and fields."""
+"""Accuracy problems of plates: natural frequencies and fields."""
 
 import math
 from collections.abc import Iterator
@@ -17,9 +17,9 @@ F_MAX_HZ, SIDE_M = 5e3, 0.2
 DEGREES, FINEST_DEGREE = (13, 16, 19, 22), 38
 ROUNDING = 1e-10
 PUBLISHED = (13.46820, 19.59614, 24.27020, 34.80089, 34.80089, 61.09323)
-"""``omega a^2 (rho h/D)^(1/2)`` of a free square plate, Poisson's ratio 0.3, to seven digits."""
+"""``omega a^2 (rho h/D)^(1/2)`` of a free square plate with a Poisson's ratio of 0.3, to seven digits."""
 MIXED, MIXED_TO_HZ = Plate(0.2, 0.14, 1e-3, 70e9, 0.3, 2500.0, "SFSF"), 4e3
-"""Edges S at x = 0 and x = length, edges F at y = 0 and y = width."""
+"""Edges: simply supported (S) at x = 0 and x = length, free (F) at y = 0 and y = width."""
 FEWER = (19, 17, 15, 13, 11, 9)
 N_SCANNED = 400
 FIELD_TO_HZ, POINTS_PER_M, N_POINTS = 20e3, (200, 400, 800, 1600, 3200), 4000
@@ -27,12 +27,12 @@ GOLDEN = 0.6180339887498949
 
 
 def square(boundary: str) -> Plate:
-    """Return a square plate of 0.2 m."""
+    """Return a square plate with sides of 0.2 m."""
     return Plate(SIDE_M, SIDE_M, 1e-3, 70e9, 0.3, 2500.0, boundary)
 
 
 def simply_supported() -> Problem:
-    """Compare frequencies with Navier's closed form."""
+    """Compare natural frequencies with Navier's closed form."""
     plate = square("SSSS")
     return Problem(
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 m square, edges S",
@@ -43,13 +43,13 @@ def simply_supported() -> Problem:
 
 
 def free() -> Problem:
-    """Compare frequencies with those of far more functions."""
+    """Compare natural frequencies with those from many more basis functions."""
     plate = square("FFFF")
     constant = plate.wave_constant_m2_per_s / SIDE_M**2 / (2 * np.pi)
     return Problem(
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 m square, edges F",
         reference=Reference("38 degrees", lambda: _elastic_hz(plate, FINEST_DEGREE), ROUNDING),
-        independent=Reference("published values of the square plate", lambda: constant * np.array(PUBLISHED), 4e-7),
+        independent=Reference("published values for the square plate", lambda: constant * np.array(PUBLISHED), 4e-7),
         error=_largest,
         settings=_by_degree(plate),
     )
@@ -71,7 +71,7 @@ def _elastic_hz(plate: Plate, degree: int) -> Real:
 
 
 def _ritz_hz(plate: Plate, f_max_hz: float, p_x: int, p_y: int) -> Real:
-    solve.cache_clear()  # otherwise the price would be that of a cached solution
+    solve.cache_clear()  # else the price would be that of a cached solution
     return ritz_frequencies_hz(plate, f_max_hz, (p_x, p_y))
 
 
@@ -96,7 +96,7 @@ def mixed_edges() -> Problem:
 
 
 def levy_hz() -> Real:
-    """Return Levy's frequencies of a plate between two edges S.
+    """Return Levy's frequencies of a plate with two opposite edges S.
 
     Leissa, Vibration of Plates, NASA SP-160 (1969), section 4.2. Hyperbolic functions are divided by their growth.
     """
@@ -107,7 +107,7 @@ def levy_hz() -> Real:
 
 
 def _wavenumbers(along_rad_per_m: float, k_max_rad_per_m: float) -> Iterator[float]:
-    """Yield the roots of the even and the odd condition."""
+    """Yield the wavenumbers that satisfy the even or the odd condition."""
     from scipy.optimize import brentq
 
     scan = np.linspace(0.5 * along_rad_per_m, max(k_max_rad_per_m, along_rad_per_m), N_SCANNED)
@@ -136,14 +136,14 @@ def _condition(k: float, a: float, parity: int) -> float:
 
 
 def field_grid() -> Problem:
-    """Compare splines between grid points with the field itself."""
+    """Compare spline interpolation on a grid with the exact field."""
     modes = modes_of(A4_SCREEN, FIELD_TO_HZ)
     amplitude = np.cos(np.arange(len(modes.frequency_hz)) * 2.4)
     n = np.arange(N_POINTS)
     points = A4_SCREEN.length_m * (n + 0.5) / N_POINTS, A4_SCREEN.width_m * np.asarray(n * GOLDEN % 1)
     return Problem(
         f"largest error between grid points over the peak, A4 plate, {len(amplitude)} modes, bicubic",
-        reference=Reference("the sum of sines at points", lambda: _sines(amplitude, points), 1e-12),
+        reference=Reference("the sum of sines at the points", lambda: _sines(amplitude, points), 1e-12),
         error=partial(_field_error, points),
         settings=tuple(Setting(f"{n} per m", partial(_field, modes, amplitude, n)) for n in POINTS_PER_M),
     )

@@ -1,4 +1,4 @@
-"""Accuracy problems of posteriors."""
+"""Accuracy problems of posterior distributions."""
 
 from functools import partial
 from typing import Any
@@ -28,11 +28,11 @@ N_THRESHOLDS = (6, 11, 21, 41, 81, 161)
 
 
 def threshold_fit() -> Problem:
-    """Fit two-alternative answers at seven levels."""
+    """Fit thresholds to two-alternative answers at seven levels."""
     moved = np.minimum(N_CORRECT + np.arange(N_SETS)[:, None] % 2, N_TRIALS)
     return Problem(
         "largest error of mean and 95 % interval of the threshold over its width, 7 levels x 40 trials, 2AFC",
-        reference=Reference("the posterior written out, integrated finely", _integrated_interval, 1e-6),
+        reference=Reference("explicit posterior, integrated on a fine grid", _integrated_interval, 1e-6),
         error=over_interval,
         settings=(
             Setting(f"shared grid, {N_SETS} sets", lambda: _ends(fit_many(LEVELS, moved, N_TRIALS, **SHAPE)[0])),
@@ -46,7 +46,7 @@ def _ends(fitted: ThresholdFit) -> Real:
 
 
 def _integrated_interval() -> Real:
-    """Return mean and interval of a reference integration."""
+    """Return the posterior mean and interval from a fine integration."""
     n_thresholds, n_widths, n_lapses = N_NODES
     node, weight = np.polynomial.legendre.leggauss(n_lapses)
     thresholds = (np.arange(n_thresholds) + 0.5) / n_thresholds * 2 * RANGE - RANGE
@@ -76,7 +76,7 @@ def _summary(at: Real, mass: Real) -> Real:
 
 
 def hierarchical_fit() -> Problem:
-    """Fit six participants with random thresholds and widths."""
+    """Fit the hierarchical model to six participants."""
     n, n_levels = N_YES.shape
     names = np.repeat([f"P{place}" for place in range(n)], n_levels)
     answers = np.tile(GROUP_LEVELS, n), N_YES.ravel().astype(float), np.full(N_YES.size, 8.0)
@@ -92,14 +92,14 @@ def hierarchical_fit() -> Problem:
     return Problem(
         "relative error of standard errors and standard deviations (RMS), 6 participants with 5 levels of 8 trials",
         reference=Reference(f"{N_FINEST} points", lambda: spreads(N_FINEST), 3e-3),
-        independent=Reference("equidistant sum over the hyperparameters", lambda: _equidistant(laplace), 5e-3),
+        independent=Reference("equidistant sum over hyperparameters", lambda: _equidistant(laplace), 5e-3),
         error=lambda found, reference: float(np.sqrt(np.square(found / reference - 1).mean())),
         settings=tuple(Setting(f"{n} points", partial(spreads, n)) for n in N_POINTS),
     )
 
 
 def _spreads(weights: Real, at: Conditional) -> Real:
-    """Return standard errors of mean and thresholds, and the model's SDs."""
+    """Return the standard errors of mean and thresholds, and the model's SDs."""
     values = np.concatenate([at.means, at.cells[..., 0, 0]], axis=1)
     variances = np.concatenate([at.covariance[:, 0], at.variances[..., 0, 0]], axis=1)
     errors = np.sqrt(weights @ (variances + np.square(values - weights @ values)))
@@ -107,7 +107,7 @@ def _spreads(weights: Real, at: Conditional) -> Real:
 
 
 def _equidistant(laplace: Laplace) -> Real:
-    """Integrate over an equidistant grid of SDs, correlation and width."""
+    """Integrate on an equidistant grid of SDs, correlation and width."""
     ends = ((-6.0, 0.5, 15), (-6.0, 0.8, 15), (-2.5, 2.5, 9), (-1.5, 0.8, 17))
     axes = [np.linspace(low, high, n) for low, high, n in ends]
     found = laplace(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes)))
@@ -116,17 +116,17 @@ def _equidistant(laplace: Laplace) -> Real:
 
 
 def quest_plus_grid() -> Problem:
-    """Score ten answers of a two-alternative task."""
+    """Compute the QUEST+ threshold after ten two-alternative answers."""
     return Problem(
         "error of the posterior mean of the threshold after ten answers, over the range of 40 dB",
-        reference=Reference("Gauss and Legendre, function by function", _integrated_mean, 1e-7),
+        reference=Reference("Gauss-Legendre integration, function by function", _integrated_mean, 1e-7),
         error=lambda found, reference: abs(found - reference) / (HIGH - LOW),
         settings=tuple(Setting(f"{n} x {n_widths(n)}", partial(_grid_mean, n)) for n in N_THRESHOLDS),
     )
 
 
 def n_widths(n_thresholds: int) -> int:
-    """Return the number of widths for a number of thresholds."""
+    """Return the number of width values for a number of threshold values."""
     return min(n_thresholds // 2, 160)
 
 
@@ -140,7 +140,7 @@ def _grid_mean(n_thresholds: int) -> float:
 
 
 def middles(low: float, high: float, n: int) -> tuple[float, ...]:
-    """Return the middles of n equal parts."""
+    """Return the midpoints of n equal intervals."""
     return tuple((low + (high - low) * (np.arange(n) + 0.5) / n).tolist())
 
 

@@ -1,4 +1,4 @@
-"""Accuracy problems of procedures: trials and participants."""
+"""Accuracy problems of procedures: numbers of trials and participants."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -27,12 +27,12 @@ GROUP_SD_DB, GROUP_LEVELS_DB, N_AT_LEVEL = 5.0, np.linspace(2.0, 38.0, 10), 16
 GROUP_FUNCTION = PsychometricFunction("gumbel", MIDDLE_DB, 10.0, GUESS_RATE, LAPSE_RATE)
 N_PARTICIPANTS, N_GROUPS = (4, 16, 64, 256), 30
 Run = tuple[Any, list[tuple[float, bool]]]
-"""A finished procedure, and its levels with their answers."""
+"""Finished procedure, and its levels with the answers."""
 
 
 @dataclass(frozen=True)
 class Method:
-    """Rule for a number of trials, with its thresholds and target rate."""
+    """Procedure by number of trials, its threshold estimates and target rate."""
 
     rule: Callable[[int], Rule[Any]]
     thresholds_db: Callable[[Sequence[Run]], Sequence[float | None]]
@@ -40,22 +40,22 @@ class Method:
 
 
 def problem() -> Problem:
-    """Simulate two-alternative tasks with varying thresholds."""
+    """Compare threshold errors of procedures in two-alternative tasks."""
     return Problem(
-        f"rms error of the threshold as a part of the amplitude, two alternatives, {N_RUNS} simulated runs",
-        reference=Reference("the threshold that was simulated", lambda: np.zeros(1), 0.0),
+        f"rms error of the threshold as a fraction of the amplitude, two alternatives, {N_RUNS} simulated runs",
+        reference=Reference("the simulated threshold", lambda: np.zeros(1), 0.0),
         error=error_of_decibels,
         settings=tuple(
             Setting(f"{n} trials", partial(_errors_db, method, n), n * TRIAL_S / 60, name)
             for name, method in METHODS.items()
             for n in N_TRIALS
         ),
-        price="time of a participant (min), 4 s a trial",
+        price="time per participant (min), 4 s per trial",
     )
 
 
 def _errors_db(method: Method, n_trials: int) -> Real:
-    """Return the errors (n_runs,); a run without a threshold is the middle."""
+    """Return the errors (n_runs,). A missing threshold counts as the middle."""
     rngs = [np.random.default_rng(seed) for seed in np.random.SeedSequence(0).spawn(N_RUNS)]
     true_db = [MIDDLE_DB + SD_DB * float(rng.standard_normal()) for rng in rngs]
     runs = [_run(method.rule(n_trials).begin(rng), own_db, rng) for own_db, rng in zip(true_db, rngs, strict=True)]
@@ -72,7 +72,7 @@ def _run(procedure: Procedure, threshold_db: float, rng: np.random.Generator) ->
 
 
 def _chance(above_db: float) -> float:
-    """Return the Gumbel function in explicit form."""
+    """Return the probability of a correct answer, from the Gumbel function."""
     spread = math.log(-math.log(0.05)) - math.log(-math.log(0.95))
     unscaled = -math.expm1(-math.log(2) * math.exp(spread * above_db / WIDTH_DB))
     return GUESS_RATE + (1 - GUESS_RATE - LAPSE_RATE) * unscaled
@@ -116,13 +116,13 @@ METHODS = {
 
 
 def group_threshold() -> Problem:
-    """Simulate groups of participants and their mean threshold."""
+    """Compare errors of the mean threshold by the number of participants."""
     return Problem(
-        f"standard error of the group's threshold as a part of the amplitude, {N_GROUPS} simulated groups",
-        reference=Reference("the mean that was simulated", lambda: np.array([MIDDLE_DB]), 0.0),
+        f"standard error of the group's threshold as a fraction of the amplitude, {N_GROUPS} simulated groups",
+        reference=Reference("the simulated mean", lambda: np.array([MIDDLE_DB]), 0.0),
         error=error_of_decibels,
         settings=tuple(Setting(f"{n} participants", partial(_group_means_db, n), float(n)) for n in N_PARTICIPANTS),
-        price="participants, 160 trials each",
+        price="participants with 160 trials each",
     )
 
 

@@ -1,4 +1,4 @@
-"""Accuracy problems of complete built-in scenes, by accuracy setting."""
+"""Accuracy problems of the built-in scenes, by their accuracy setting."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -27,20 +27,20 @@ ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3, 1e-4), 3e-4
 N_PANEL, PANEL_S = 8001, 0.2
 FINER, AROUND_S, HEARD_S = 4, 100e-6, 8e-3
 HIGHER = (1.5, 2.5, 3.0)
-"""Highest modes over the band. The effect of modes above f is proportional to 1/f and (inertia) 1/f^3, so that three
-numbers of modes give that of all."""
+"""Frequencies of the highest modes over the upper limit of the band. Modes above f contribute in proportion to 1/f
+and (inertia) 1/f^3. Three values therefore suffice to extrapolate to all modes."""
 
 Samples = tuple[Real, Real]
-"""Times and values."""
+"""Times (s) and values of a signal."""
 
 
 def panel() -> Problem:
-    """Compare the electrostatic force of `electrovibration-panel`."""
+    """Measure the error of the force of `electrovibration-panel`."""
     scene = load_scene(path_of("electrovibration-panel"))
     force = partial(_samples, scene, "electrostatic_force_n")
     return Problem(
-        "largest error of the electrostatic force over its peak, for the accuracy asked for",
-        reference=Reference("the exact solution in pieces", lambda: _exact(scene), 1e-12),
+        "largest error of the electrostatic force over its peak, by requested accuracy",
+        reference=Reference("the piecewise exact solution", lambda: _exact(scene), 1e-12),
         error=lambda answer, reference: over_largest(np.interp(reference[0], *answer), reference[1]),
         settings=tuple(Setting(f"accuracy {accuracy:g}", partial(force, accuracy)) for accuracy in ACCURACIES),
     )
@@ -61,17 +61,17 @@ def _area_m2() -> float:
 
 
 def thin_screen() -> Problem:
-    """Compare 0.5 mm glass from 20 to 70 kHz without a finger."""
+    """Measure the error of 0.5 mm glass from 20 to 70 kHz without a finger."""
     return _problem("thin-screen", (), 1e-4)
 
 
 def a4_screen() -> Problem:
-    """Compare the prototype under a finger of 2 N at the focus."""
+    """Measure the error of the A4 prototype under a 2 N finger at the focus."""
     return _problem("a4-screen", (Fingertip().load((0.121, 0.093), 2.0),), 5e-4)
 
 
 def hybrid_screen() -> Problem:
-    """Compare a resting finger at the focus with a sliding one elsewhere."""
+    """Measure the error with one finger at the focus and another sliding."""
     return _problem("hybrid-screen", (Fingertip().load((0.121, 0.093), 2.0), Fingertip().load((0.22, 0.15), 1.5)), 5e-4)
 
 
@@ -80,13 +80,13 @@ def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Probl
     rate_hz = FINER * _surface(scene).rate_hz
     at_s = np.arange(-round(AROUND_S * rate_hz), 1) / rate_hz
     displacement = partial(_samples, scene, "focus_displacement_m")
-    in_time = "impulse responses and the drive in time, extrapolated to all modes"
+    in_time = "impulse responses and drive in the time domain, extrapolated to all modes"
 
     def before_the_focus(accuracy: float) -> Real:
         return np.asarray(np.interp(at_s, *displacement(accuracy)))
 
     return Problem(
-        "largest error of the displacement in the 0.1 ms before the focus over its peak, for the accuracy asked for",
+        "largest error of the displacement in the 0.1 ms before the focus over its peak, by requested accuracy",
         reference=Reference(f"the scene at an accuracy of {FINEST:g}", lambda: before_the_focus(FINEST), FINEST),
         independent=Reference(in_time, lambda: _in_time(scene, loads, len(at_s)), uncertainty),
         error=over_largest,
@@ -107,7 +107,7 @@ def _samples(scene: SceneFile, output: str, accuracy: float) -> Samples:
 
 
 def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
-    """Return the displacement by a drive computed sample by sample."""
+    """Return the displacement due to a drive computed sample by sample."""
     surface, (screen, cutoff_hz) = _surface(scene), _screen(scene)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.f_max_hz, surface.flank_hz)
     timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.f_max_hz}
@@ -132,7 +132,7 @@ def _screen(scene: SceneFile) -> tuple[Screen, float]:
 
 
 def _band_limited(signal: Signal, band: Band) -> Signal:
-    """Return finer samples of the band-limited signal."""
+    """Return the band-limited signal at a higher sampling rate."""
     n = signal.samples.shape[1]
     gain = band.at(np.asarray(np.fft.rfftfreq(3 * n, 1 / signal.rate_hz), dtype=np.float64))
     lines = np.fft.rfft(np.pad(signal.samples, ((0, 0), (n, n)))) * gain

@@ -1,4 +1,4 @@
-"""Checks by name, each imported when it is requested."""
+"""Checks by name. Each is imported when requested."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -18,7 +18,7 @@ CHECKS: Final[Mapping[str, str]] = {
     "false-alarms-of-ratings": f"{_HERE}.ratings:FALSE_ALARMS",
     "effects-of-ratings": f"{_HERE}.ratings:EFFECTS",
 }
-"""The target of each check."""
+"""Import target of each check."""
 
 
 def check_of(name: str) -> Check:

@@ -1,4 +1,4 @@
-"""Checks of group tests and intervals from answers."""
+"""Checks of group tests and intervals, starting from simulated answers."""
 
 import math
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ FIRST, LAST = 0.0, float(N_CONDITIONS - 1)
 
 
 def study(cell_sd_db: float, effect_db: float, rng: np.random.Generator) -> list[Cell]:
-    """Simulate a study whose thresholds rise by equal steps of conditions."""
+    """Simulate a study whose thresholds rise in equal steps over conditions."""
     people = MEAN_DB + PARTICIPANT_SD_DB * rng.standard_normal((N_PARTICIPANTS, 1))
     own = cell_sd_db * rng.standard_normal((N_PARTICIPANTS, N_CONDITIONS))
     at = people + own + effect_db * (np.arange(N_CONDITIONS) / LAST - 0.5)
@@ -70,7 +70,7 @@ def _fitted(cells: list[Cell]) -> pd.DataFrame:
 
 
 def tested(cells: list[Cell]) -> dict[str, float]:
-    """Return p of each test of the factor, NaN without a result."""
+    """Return p of each test of the factor, or NaN without a result."""
     anova = outcome(_fitted(cells), [FACTOR], "forced_choice", "threshold").anova
     p_of_group = math.nan
     with suppress(InvalidParameter):
@@ -82,9 +82,9 @@ def tested(cells: list[Cell]) -> dict[str, float]:
 
 
 def estimated(cells: list[Cell]) -> dict[str, Estimate]:
-    """Return the last condition minus the first by each method."""
+    """Estimate the last condition minus the first with each method."""
     of_pairs = of_group = NO_ANSWER
-    with suppress(InvalidParameter):  # a cell without a threshold
+    with suppress(InvalidParameter):  # raised if a cell has no threshold
         compared = pairs(_fitted(cells), dependent="threshold", factor=FACTOR, subject="participant")
         pair = compared[(compared["a"] == FIRST) & (compared["b"] == LAST)].iloc[0]
         of_pairs = pair["difference"], pair["difference_low"], pair["difference_high"]
@@ -95,7 +95,7 @@ def estimated(cells: list[Cell]) -> dict[str, Estimate]:
 
 
 def false_alarms(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Test studies without an effect, and others with an effect."""
+    """Test simulated studies without an effect, and others with an effect."""
     rows = [
         (effect, test, p)
         for effect in (0.0, EFFECT_DB)
@@ -106,7 +106,7 @@ def false_alarms(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd
 
 
 def effects(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Estimate the effect of studies that have one."""
+    """Estimate the effect in simulated studies that have one."""
     rows = [
         (method, EFFECT_DB, *found)
         for _ in range(n_sets)
@@ -122,17 +122,17 @@ def _settings(simulate: Any) -> Mapping[str, Simulate]:
 
 _PEOPLE: Final = f"""\
 {N_PARTICIPANTS} participants answer {N_TRIALS} two-alternative trials at each of {len(LEVELS)} levels in
-{N_CONDITIONS} conditions: thresholds of {MEAN_DB:g} dB with an SD of {PARTICIPANT_SD_DB:g} dB between people and of
-`own_sd_db` between their conditions; normal functions, widths of {WIDTH_DB:g} dB that differ by {WIDTH_LOG_SD:.0%},
-{LAPSE_RATE:.0%} lapses."""
+{N_CONDITIONS} conditions. Thresholds have a mean of {MEAN_DB:g} dB, an SD of {PARTICIPANT_SD_DB:g} dB between
+participants, and an SD of `own_sd_db` between a participant's conditions. Psychometric functions are normal, with
+widths of {WIDTH_DB:g} dB that vary by {WIDTH_LOG_SD:.0%}, and {LAPSE_RATE:.0%} lapses."""
 REASONS: Final = {
-    "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
+    "hierarchical": "with few participants, the prior of their deviations leads to larger estimated differences",
 }
 FALSE_ALARMS: Final = Check(
     title="Tests of a group, from answers",
     words=f"""\
-{_PEOPLE} Without an effect 5 % of tests should have p < 5 %; with {EFFECT_DB:g} dB from the first condition to the last
-the share is the power.""",
+{_PEOPLE} Without an effect, 5 % of tests should have p < 5 %. With an effect of {EFFECT_DB:g} dB from the first
+condition to the last, the share is the power.""",
     kind=TESTS,
     keys=("own_sd_db", "effect", "test"),
     settings=_settings(false_alarms),

@@ -1,6 +1,6 @@
 """Simulation-based calibration of posteriors.
 
-If truths are drawn from the prior, their ranks in their posteriors are uniformly distributed.
+If true values are drawn from the prior, their ranks in their posteriors are uniformly distributed.
 
 Talts, Betancourt, Simpson, Vehtari and Gelman (2018), arXiv 1804.06788.
 """
@@ -38,17 +38,17 @@ from ..check import RANKS, Check
 
 Array = NDArray[np.float64]
 LEVELS: Final = np.linspace(-0.5, 0.5, 7)
-"""Levels on the scale of the priors, with a range of 1."""
+"""Levels in units of their range, as in the priors."""
 SHARES: Final = np.arange(0.1, 0.95, 0.1)
-"""Coverage of central intervals whose ends and the median divide the posterior into twentieths."""
+"""Coverages of central intervals. With the median, their ends divide the posterior into twentieths."""
 FINE: Final = 4001
 
 
 @dataclass(frozen=True)
 class FitModel:
-    """Fit to be calibrated.
+    """Fit whose posterior is checked.
 
-    It has a shape, guess rate (None: free), trials per level, catch trials, and other options of its prior.
+    The fields are its shape, guess rate (None: free), trials per level, catch trials, and further options.
     """
 
     shape: str
@@ -71,7 +71,7 @@ MODELS: Final[Mapping[str, FitModel]] = {
 
 
 def of_fit(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Return ranks of threshold and width in the posterior of a fit."""
+    """Return the ranks of threshold and width in a fit's posterior."""
     model = MODELS[name]
     truth = from_prior(model, n_sets, rng)
     chances = [PsychometricFunction(model.shape, *each).probability(LEVELS) for each in truth[:, [0, 1, 3, 2]]]
@@ -91,7 +91,7 @@ def of_fit(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
-    """Draw threshold, width, lapse and guess rate (n, 4) from the prior."""
+    """Draw threshold, width, lapse rate and guess rate (n, 4) from the prior."""
     none = np.zeros(1)
     prior = model.prior(np.array([LEVELS[1] - LEVELS[0]]), none, none)
     narrowest = prior.narrowest
@@ -117,7 +117,7 @@ def _log_rate(x: Array, beta: float) -> Array:
 
 
 def inverse(log_density: Callable[[Array], Array], ends: tuple[float, float], uniform: Array) -> Array:
-    """Draw from a density between two ends, given uniform numbers."""
+    """Draw from a density between two ends by inverting it at uniform numbers."""
     x = np.linspace(ends[0], ends[1], FINE)
     with np.errstate(divide="ignore"):
         density = np.exp(log_density(x))
@@ -126,9 +126,9 @@ def inverse(log_density: Callable[[Array], Array], ends: tuple[float, float], un
 
 
 def rank(truth: Array, quantiles: Array, rng: np.random.Generator) -> Array:
-    """Rank truths (n_sets,) among quantiles (n_sets, 3, n_shares).
+    """Rank true values (n_sets,) among quantiles (n_sets, 3, n_shares).
 
-    The rank is random within the twentieth of the posterior that contains the truth.
+    The rank is random within the twentieth of the posterior that contains the true value.
     """
     places = np.concatenate([quantiles[:, 0], quantiles[:, 1, :1], quantiles[:, 2]], axis=1)
     below = (np.sort(places, axis=1) < truth[:, None]).sum(axis=1)
@@ -136,7 +136,7 @@ def rank(truth: Array, quantiles: Array, rng: np.random.Generator) -> Array:
 
 
 def of_quest_plus(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Return ranks of the true threshold in QUEST+'s posterior of a track.
+    """Return ranks of the true threshold in QUEST+'s posterior after a track.
 
     The rank is random within the grid node that contains the true threshold.
     """
@@ -168,11 +168,12 @@ QUEST_PLUS: Final[Mapping[str, tuple[float, int]]] = {
 CHECK: Final = Check(
     title="Simulation-based calibration",
     words=f"""\
-Truths are drawn from the prior, answers from the truths; the rank of a truth in its posterior is then uniform (Talts
-et al. 2018). Fits have seven constant levels ({
+True values are drawn from the prior, and answers from the true values. The rank of a true value in its posterior is
+then uniformly distributed (Talts et al. 2018). Fits have seven constant levels ({
         ", ".join(f"{each.n_trials} trials at each for {name}" for name, each in MODELS.items())
-    }), since adaptive levels change their prior; the ends of nine central intervals and the median divide the posterior
-into twentieths. QUEST+ has the weights of its grid after its own tracks. p is Kolmogorov and Smirnov's exact test.""",
+    }), since adaptive levels would change their prior. The median and the ends of nine central intervals divide the
+posterior into twentieths. For QUEST+, the posterior consists of the weights of its grid after its own tracks. p is from
+the exact Kolmogorov-Smirnov test.""",
     kind=RANKS,
     keys=("posterior", "quantity"),
     settings={name: partial(of_fit, name) for name in MODELS}

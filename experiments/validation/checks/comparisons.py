@@ -1,4 +1,4 @@
-"""Checks of equality points and just noticeable differences."""
+"""Checks of points of subjective equality and just noticeable differences."""
 
 from functools import partial
 from typing import Final
@@ -11,16 +11,16 @@ from ..check import ESTIMATES, Check
 
 
 def outcomes(person: Person, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Fit data sets as `analyse` does."""
+    """Simulate data sets, and fit them as `analyse` does."""
     return pd.concat(outcomes_of((person,), n_sets, rng), ignore_index=True)
 
 
 CHECK: Final = Check(
     title="Comparisons",
     words="""\
-Answers "more" or "less" at seven levels from -6 to 6, with points of subjective equality from -1.5 to 1.5; a lapse is
-either answer with equal chance. Rows by the standard deviation of the function, trials at each level and lapse rate.
-Fitted as `analyse` does: both asymptotes are free.""",
+Answers are "more" or "less" at seven levels from -6 to 6, with points of subjective equality from -1.5 to 1.5. A lapse
+is either answer with equal probability. Rows differ in the standard deviation of the function, the trials at each level
+and the lapse rate. Fits are those of `analyse`, with both asymptotes free.""",
     kind=ESTIMATES,
     keys=("sd", "n_trials", "lapse_rate", "quantity"),
     settings={
@@ -30,8 +30,8 @@ Fitted as `analyse` does: both asymptotes are free.""",
     n_sets=50,
     reasons={
         "difference": "a Bayesian interval is exact on average over the prior of the lapse rate, not at each rate: "
-        "misses are mostly below the truth without lapses, and above it with many",
-        "equality": "as for the difference",
+        "intervals that miss the true value lie mostly below it without lapses, and above it with many",
+        "equality": "same reason as for the difference",
     },
     figure="comparisons",
 )

@@ -1,4 +1,4 @@
-"""Checks of tests and intervals of questionnaires."""
+"""Checks of tests and intervals for questionnaire scores."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -23,7 +23,7 @@ DIMENSION: Final = "PQ"
 PATTERNS: Final = ("P0", *THESIS)
 N_PARTICIPANTS: Final = 12
 ATTITUDE: Final = 0.2
-"""Attitude to patterns of the high frequency, from -1 to 1 (0.6 points of the scale before clipping)."""
+"""Attitude to patterns with the high frequency, from -1 to 1 (0.6 points on the scale before clipping)."""
 RATERS: Final[Mapping[float, Raters]] = {
     effect: Raters(
         noise=0.35,
@@ -34,11 +34,11 @@ RATERS: Final[Mapping[float, Raters]] = {
     )
     for effect in (0.0, ATTITUDE)
 }
-"""Raters of the study time-reversal-patterns with this effect alone."""
+"""Raters of the study time-reversal-patterns, with only this effect."""
 
 
 def study(effect: float, seed: int) -> pd.DataFrame:
-    """Simulate a row for each answer, in whole steps of the scale."""
+    """Simulate a study, with a row for each answer (a whole number)."""
     rows = []
     for code in (f"P{number:02d}" for number in range(N_PARTICIPANTS)):
         rater = Rater(
@@ -80,7 +80,7 @@ TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
 
 
 def false_alarms(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Test studies without an effect, and others with an effect."""
+    """Test simulated studies without an effect, and others with an effect."""
     rows = []
     for effect in RATERS:
         for table in (scored(effect, rng) for _ in range(n_sets)):
@@ -89,7 +89,7 @@ def false_alarms(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Estimate means and differences of patterns that are rated alike."""
+    """Estimate means and differences of patterns with equal true ratings."""
     rows = []
     for table in (scored(0.0, rng) for _ in range(n_sets)):
         pair = _against(table).iloc[0]
@@ -101,27 +101,27 @@ def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 _PEOPLE: Final = f"""\
-{N_PARTICIPANTS} simulated people ([observer.raters](../reference/people.md)) rate seven patterns by AttrakDiff's 28
-word pairs, in whole steps, as in the study `time-reversal-patterns`. Pragmatic quality is tested."""
+{N_PARTICIPANTS} simulated participants ([observer.raters](../reference/people.md)) rate seven patterns with
+AttrakDiff's 28 word pairs, in whole steps, as in the study `time-reversal-patterns`. Pragmatic quality is tested."""
 FALSE_ALARMS: Final = Check(
     title="Tests of questionnaires",
     words=f"""\
-{_PEOPLE} Without an effect 5 % of tests should have p < 5 %; with an attitude of {ATTITUDE:g} more to the three
-patterns of the high frequency the share is the power of *frequency* and *against P0*; *envelope* and the interaction
-never have an effect.""",
+{_PEOPLE} Without an effect, 5 % of tests should have p < 5 %. With an attitude that is {ATTITUDE:g} higher for the
+three patterns of the high frequency, the share is the power of *frequency* and *against P0*. *envelope* and the
+interaction never have an effect.""",
     kind=TESTS,
     keys=("effect", "test"),
     settings={"patterns": false_alarms},
     n_sets=10,
     reasons={
-        "against P0, Holm: any of six": "Holm's correction ensures 5 % for any dependence, and is below it where "
-        "comparisons share the reference",
+        "against P0, Holm: any of six": "Holm's correction guarantees at most 5 % for any dependence. The rate is "
+        "lower if comparisons share the reference",
     },
     figure="tests-of-ratings",
 )
 EFFECTS: Final = Check(
     title="Intervals of questionnaires",
-    words=f"{_PEOPLE} Without any effect: the mean of a pattern, and the difference of two.",
+    words=f"{_PEOPLE} There is no effect. Estimated are the mean of a pattern, and the difference of two patterns.",
     kind=ESTIMATES,
     keys=("method",),
     settings={"patterns": effects},

@@ -1,4 +1,4 @@
-"""Checks of thresholds of one participant by procedure and fit."""
+"""Checks of single participants' thresholds, by procedure and fit."""
 
 from collections.abc import Iterable, Mapping
 from functools import partial
@@ -32,20 +32,20 @@ from ..check import ESTIMATES, Check
 
 N_TRIALS: Final = 60
 N_GROUP: Final = 10
-"""Participants of a hierarchical fit."""
+"""Number of participants in a hierarchical fit."""
 CHOSEN: Final = TASKS[1:3]
-"""Yes/no with catch trials, and two alternatives."""
+"""Tasks: yes/no with catch trials, and two alternatives."""
 POSTERIOR: Final = ("mode", "median", "mean")
 
 
 def method_of_limits(guess_rate: float) -> MethodOfLimits:
-    """Return series that begin in the outer quarter and end with the trials."""
+    """Return series that start in the outer quarter and end with the trials."""
     del guess_rate
     return MethodOfLimits(LOW_DB, HIGH_DB, 4.0, n_series=1000, n_start_steps=2)
 
 
 def psi(guess_rate: float) -> Rule[Any]:
-    """Return psi for a cumulative normal with the true lapse rate."""
+    """Return the psi method for a cumulative normal with the true lapse rate."""
     table = PsiSettings(
         LOW_DB, HIGH_DB, 41, 1.0, 6.0, 6, guess_rate=guess_rate, lapse_rate=LAPSE_RATE, n_trials=N_TRIALS
     )
@@ -54,7 +54,7 @@ def psi(guess_rate: float) -> Rule[Any]:
 
 PROCEDURES: Final = {**simulated.PROCEDURES, "psi": psi, "method of limits": method_of_limits}
 LEFT_OUT: Final = (AT_CHANCE, ("method of limits", "2AFC"))
-"""Rules that go down while the answer is 1, which guesses are as well."""
+"""Excluded combinations: these rules lower the level after each answer 1, including correct guesses."""
 TARGETS: Final[Mapping[str, float]] = {
     "1 up 1 down": 0.5,
     "1 up 2 down": 0.5 ** (1 / 2),
@@ -62,12 +62,12 @@ TARGETS: Final[Mapping[str, float]] = {
     "weighted, 0.75": 0.75,
     "method of limits": 0.5,
 }
-"""Chance of the answer 1 at the target of a rule (Levitt 1971, J. Acoust. Soc. Am. 49, 467; Kaernbach 1991, Percept.
-Psychophys. 49, 227); others estimate the threshold."""
+"""Probability of the answer 1 at the target of a rule (Levitt 1971, J. Acoust. Soc. Am. 49, 467; Kaernbach 1991,
+Percept. Psychophys. 49, 227). Other procedures estimate the threshold."""
 
 
 def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Simulate one track per participant, with all fits."""
+    """Simulate one track per participant, and apply all fits."""
     made = simulated.tracks(procedure, task, INSIDE, n_sets, rng, n_trials=N_TRIALS, procedures=PROCEDURES)
     n_catch = round(task.catch * N_TRIALS)
     catch = {"n_false_alarms": rng.binomial(n_catch, task.guess_rate, n_sets), "n_catch": np.full(n_sets, n_catch)}
@@ -88,7 +88,7 @@ def _of_rule(procedure: str, task: SimulatedTask, made: Tracks) -> pd.DataFrame:
 
 
 def _of_fits(made: Tracks, told: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
-    """Return the three estimates of the posterior, which share an interval."""
+    """Return three estimates from the posterior, which share an interval."""
     fits = fit_many(*_counts(made), **told, scale_free_width=True)
     by_fit = {
         f"posterior, {name}": _table(made, fits, [getattr(fit, f"threshold_{name}") for fit in fits])
@@ -136,13 +136,14 @@ def _of_group(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray
 CHECK: Final = Check(
     title="Thresholds of one participant",
     words=f"""\
-Each participant answers {N_TRIALS} trials of a procedure from {LOW_DB:g} to {HIGH_DB:g} dB (constant stimuli from 8
-to 32 dB in steps of 4): a Gumbel function with a threshold in the middle half of the levels, a width from 4 to 16 dB
-(evenly on a logarithm), {LAPSE_RATE:.0%} lapses, and in yes/no {FALSE_ALARM_RATE:.0%} false alarms, asked for by a
-catch trial to four trials. Errors and widths in dB. The fits are told what `analyse` is told: the shape and, in
-forced choice, the guess rate, under psignifit's priors. Mode (what `analyse` gives in yes/no), median (in
-forced choice) and mean share an interval. *the rule's own* is held against the level at which
-the rule aims, and a hierarchical fit has {N_GROUP} participants.""",
+Each participant answers {N_TRIALS} trials of a procedure with levels from {LOW_DB:g} to {HIGH_DB:g} dB (constant
+stimuli: from 8 to 32 dB in steps of 4). The psychometric function is a Gumbel function with a threshold in the middle
+half of the levels, a width from 4 to 16 dB (uniform on a logarithmic scale), and {LAPSE_RATE:.0%} lapses. In yes/no
+tasks, there are {FALSE_ALARM_RATE:.0%} false alarms, and one catch trial to four trials. Errors and widths are in dB.
+The fits receive the same information as in `analyse`: the shape and, in forced choice, the guess rate, with
+psignifit's priors. Mode (reported by `analyse` in yes/no), median (in forced choice) and mean share an interval.
+*the rule's own* estimate is compared with the target level of the rule. A hierarchical fit has {N_GROUP}
+participants.""",
     kind=ESTIMATES,
     keys=("procedure", "task", "fit"),
     settings={
@@ -153,13 +154,12 @@ the rule aims, and a hierarchical fit has {N_GROUP} participants.""",
     },
     n_sets=10,
     reasons={
-        "hierarchical": "a Bayesian interval is exact on average over its priors; the model has normal thresholds, "
-        "where these participants have evenly spread ones",
-        "posterior, mode": "a Bayesian interval is exact on average over its priors, and these participants are "
-        "not drawn "
-        "from those: their lapses and widths leave less open than the priors do",
-        "posterior, median": "as that of the mode, whose interval it shares",
-        "posterior, mean": "as that of the mode, whose interval it shares",
+        "hierarchical": "a Bayesian interval is exact on average over its priors, and the model assumes normally "
+        "distributed thresholds, whereas the simulated ones are uniform",
+        "posterior, mode": "a Bayesian interval is exact on average over its priors, but the lapse rates and widths of "
+        "these participants vary less than the priors",
+        "posterior, median": "same reason as for the mode, which has the same interval",
+        "posterior, mean": "same reason as for the mode, which has the same interval",
     },
     figure="thresholds",
 )

@@ -1,4 +1,4 @@
-"""Checks of tests and intervals of values, by distribution of errors."""
+"""Checks of tests and intervals for values, by distribution of errors."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -19,7 +19,7 @@ from ..check import ESTIMATES, NO_ANSWER, TESTS, Check, Estimate, Simulate
 
 N_CONDITIONS: Final = 4
 EFFECT: Final = 1.1
-"""Effect of the last condition, in standard deviations of the errors."""
+"""Effect in the last condition, in standard deviations of the errors."""
 PARTICIPANTS_SD: Final = 2.0
 SHARE_OF_BOUNDS: Final = 0.15
 ERRORS: Final = ("spherical", "AR(1), 0.7", "noisy")
@@ -31,9 +31,9 @@ FIRST, LAST = 0, N_CONDITIONS - 1
 def studies(
     errors: str, n_participants: int, n: int, rng: np.random.Generator, n_conditions: int = N_CONDITIONS
 ) -> NDArray[np.float64]:
-    """Draw null values (n, n_participants, n_conditions).
+    """Draw values without an effect (n, n_participants, n_conditions).
 
-    Errors of variance 1 are independent, correlated by 0.7 per step, or three times as large in the first condition.
+    Errors with variance 1 are independent, correlated by 0.7 per step, or three times as large in the first condition.
     """
     places = np.arange(n_conditions)
     covariance = {
@@ -46,7 +46,7 @@ def studies(
 
 
 def long_table(values: NDArray[np.float64]) -> pd.DataFrame:
-    """Return a row per participant and condition; `cut` hides low values."""
+    """Return a row per participant and condition. `cut` omits low values."""
     shape = [range(length) for length in values.shape]
     table = pd.MultiIndex.from_product(shape, names=["participant", "condition"]).to_frame(index=False)
     y = values.ravel()
@@ -71,11 +71,11 @@ TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
     "mixed model": lambda table: mixed_model(table, factors=["condition"], **OF).terms["p"].iloc[0],
     "pairs, Holm: any of six": lambda table: pairs(table, factor="condition", **OF)["p_corr"].min(),
 }
-"""The p of each test of a study."""
+"""Functions that return p of each test of a study."""
 
 
 def p_of(test: str, table: pd.DataFrame) -> float:
-    """Return p, or NaN without a result."""
+    """Return p of a test, or NaN without a result."""
     try:
         return float(TESTED[test](table))
     except UndefinedStatistic:
@@ -83,7 +83,7 @@ def p_of(test: str, table: pd.DataFrame) -> float:
 
 
 def false_alarms(errors: str, n_participants: int, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Test each study without an effect, and with an effect."""
+    """Test each simulated study without and with an effect."""
     rows = []
     for values in studies(errors, n_participants, n_sets, rng):
         for effect in (0.0, EFFECT):
@@ -99,7 +99,7 @@ def with_effect(values: NDArray[np.float64], effect: float) -> NDArray[np.float6
 
 
 def effects(errors: str, n_participants: int, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Estimate the last condition minus the first, and its mean."""
+    """Estimate the last condition, and its difference to the first."""
     rows = []
     for values in studies(errors, n_participants, n_sets, rng):
         table = long_table(with_effect(values, EFFECT))
@@ -109,7 +109,7 @@ def effects(errors: str, n_participants: int, n_sets: int, rng: np.random.Genera
 
 
 def estimates(table: pd.DataFrame) -> dict[str, Estimate]:
-    """Return the estimate with its interval by each method."""
+    """Return the estimate and interval of each method."""
     compared = pairs(table, factor="condition", **OF)
     pair = compared[(compared["a"] == FIRST) & (compared["b"] == LAST)].iloc[0]
     model = mixed_model(table, factors=["condition"], **OF).coefficients.iloc[LAST]
@@ -131,27 +131,27 @@ def _settings(simulate: Callable[..., pd.DataFrame]) -> Mapping[str, Simulate]:
 
 
 _PEOPLE: Final = f"""\
-Participants have normal values in {N_CONDITIONS} conditions and differ by {PARTICIPANTS_SD:g} standard deviations of
-the errors, which are independent and equal (*spherical*), correlated by 0.7 a step (*AR(1)*), or three times as large
-in the first condition (*noisy*)."""
+Values of participants in {N_CONDITIONS} conditions are normally distributed. Participants differ with an SD of
+{PARTICIPANTS_SD:g} standard deviations of the errors. Errors are independent and equal (*spherical*), correlated by 0.7
+per step (*AR(1)*), or three times as large in the first condition (*noisy*)."""
 FALSE_ALARMS: Final = Check(
     title="Tests of values",
     words=f"""\
-{_PEOPLE} Without an effect 5 % of tests should have p < 5 %; with {EFFECT:g} standard deviations more in the last
-condition the share is the power. For *values and bounds* the lowest {SHARE_OF_BOUNDS:.0%} are upper bounds.
-`analyse` reports Chi and Muller's p, or that of values and bounds.""",
+{_PEOPLE} Without an effect, 5 % of tests should have p < 5 %. With values that are {EFFECT:g} standard deviations
+higher in the last condition, the share is the power. For *values and bounds*, the lowest {SHARE_OF_BOUNDS:.0%} of the
+values are upper bounds. `analyse` reports the p value of Chi and Muller, or that of values and bounds.""",
     kind=TESTS,
     keys=("errors", "participants", "effect", "test"),
     settings=_settings(false_alarms),
     n_sets=20,
     reasons={
-        "ANOVA, uncorrected": "assumes spherical contrasts; printed next to the corrected p, not reported",
-        "ANOVA, Greenhouse-Geisser": "the epsilon is too small with few participants, so that effects are missed; "
-        "`analyse` reports Chi and Muller's",
-        "mixed model": "a random intercept assumes that the differences of all conditions vary alike",
-        "pairs, Holm: any of six": "Holm's correction ensures 5 % for any dependence, and is below it where pairs "
-        "share conditions",
-        "permutation test": "it requires only symmetric errors, and its p has steps of 2 to the minus number of "
+        "ANOVA, uncorrected": "assumes spherical contrasts. Printed next to the corrected p, but not reported",
+        "ANOVA, Greenhouse-Geisser": "epsilon is underestimated for few participants, so that effects are missed. "
+        "`analyse` reports the p value of Chi and Muller",
+        "mixed model": "a random intercept assumes that all differences between conditions have the same variance",
+        "pairs, Holm: any of six": "Holm's correction guarantees at most 5 % for any dependence. The rate is "
+        "lower if pairs share conditions",
+        "permutation test": "requires only symmetric errors. Its p has steps of 2 to the power of minus the number of "
         "participants",
     },
     figure="tests-of-values",
@@ -159,15 +159,16 @@ condition the share is the power. For *values and bounds* the lowest {SHARE_OF_B
 EFFECTS: Final = Check(
     title="Effects of values",
     words=f"""\
-{_PEOPLE} The last condition is {EFFECT:g} higher: its difference to the first, and its mean (also {EFFECT:g}); for
-*values and bounds* the lowest {SHARE_OF_BOUNDS:.0%} are upper bounds.""",
+{_PEOPLE} The last condition is {EFFECT:g} higher. Estimated are its difference to the first condition and its mean,
+both with a true value of {EFFECT:g}. For *values and bounds*, the lowest {SHARE_OF_BOUNDS:.0%} of the values are upper
+bounds.""",
     kind=ESTIMATES,
     keys=("errors", "participants", "method"),
     settings=_settings(effects),
     n_sets=20,
     reasons={
-        "difference, mixed model": "a random intercept has one variance for the differences of all conditions: where "
-        "they vary differently, its interval is too short for some and too long for others"
+        "difference, mixed model": "a random intercept assumes that all differences between conditions have the same "
+        "variance. Otherwise its interval is too short for some differences and too long for others"
     },
     figure="effects-of-values",
 )

@@ -121,7 +121,7 @@ def test_identifying_number_is_asked_when_study_permits(study_with, presses, exp
 
 def test_identifying_number_is_refused_by_default(study_with):
     study = study_with(TUTORIAL + HABITS)
-    with pytest.raises(InvalidParameter, match="questionnaire habits: found age_years, which could tell who somebody"):
+    with pytest.raises(InvalidParameter, match="questionnaire habits: found age_years, which could identify"):
         study.questionnaire("habits")
 
 

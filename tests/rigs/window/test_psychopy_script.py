@@ -77,7 +77,7 @@ def study(screen):
 
 def test_unknown_cell_is_named(study):
     for factors, found in ({}, "none"), ({"frequency_hz": 61}, "frequency_hz = 61"):
-        with pytest.raises(InvalidParameter, match=f"found {found}, expected those of a cell: frequency_hz = 60; "):
+        with pytest.raises(InvalidParameter, match=f"found {found}, expected the factors of a cell: frequency_hz"):
             study.procedure(**factors)
 
 

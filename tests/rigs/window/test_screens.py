@@ -109,7 +109,7 @@ def test_check_lists_screens_and_marks_participant_screen(two_screens, tmp_path)
     bench = tmp_path / "bench.toml"
     bench.write_text(BENCH.format(1))
     done = program(["-m", "tactometry", "check", "--bench", bench], two_screens)
-    assert "screen 0: 640 x 600 px; screen 1: 800 x 600 px, the participant's is screen 1" in done.stdout, done.stderr
+    assert "screen 0: 640 x 600 px; screen 1: 800 x 600 px; the participant uses screen 1" in done.stdout, done.stderr
 
 
 def test_check_screen_rejects_unconnected_screens():
