@@ -17,7 +17,7 @@ from tactometry.stimuli.time_reversal.responses.responses import Point
 from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S, Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 
-from .ranges import Drawn, band_of, draws
+from .ranges import FingerDraw, band_of, draws
 from .reproduction import Number
 from .setups import ELSEWHERE, FOCUS, RIG_BAND
 
@@ -67,7 +67,7 @@ def predicted_loss() -> Iterator[Number]:
         yield band_of(size).number("size of the impedance", f"pulp at {frequency_hz / 1e3:g} kHz", "N s/m")
 
 
-def _losses(drawn: Sequence[Drawn], places_m: Sequence[Point]) -> FloatArray:
+def _losses(drawn: Sequence[FingerDraw], places_m: Sequence[Point]) -> FloatArray:
     """(n_draws, 2): mean losses over places by a disc, and by the same at a point."""
     screens = [Screen(A4_PROTOTYPE.plate, A4_PROTOTYPE.sources, Attenuation(tau_s)) for tau_s in TAUS_S]
     discs = [[loss_by_disc(screen, at_m, RIG_BAND) for at_m in places_m] for screen in screens]

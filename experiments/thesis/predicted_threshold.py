@@ -22,7 +22,7 @@ from tactometry.stimuli.time_reversal.pulp import disc_stiffness
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 from .predicted_loss import loss_by_disc
-from .ranges import Drawn, band_of, draws
+from .ranges import FingerDraw, band_of, draws
 from .reproduction import Number
 from .setups import FOCUS, UNFILTERED
 
@@ -78,7 +78,7 @@ def flights(mass_kg: float, resistance: float, force_n: float, speeds: FloatArra
     return times_s, height_m(times_s)
 
 
-def thresholds_m(one: Drawn, force_n: float, course: FocusCourse, loss: float) -> tuple[float, float]:
+def thresholds_m(one: FingerDraw, force_n: float, course: FocusCourse, loss: float) -> tuple[float, float]:
     """Return the free focus at threshold: of a pulp that is thrown, and of a contact that holds."""
     load, area_m2 = one.load(force_n), one.area_m2(force_n)
     needed = one.threshold_m * sqrt(one.summation_s / 2) * 10 ** (-summation_db(area_m2, CONTACTOR_M2) / 20)

@@ -12,51 +12,44 @@ from tactometry.stimuli.time_reversal.pulp import PulpLoad, Tissue
 
 from .reproduction import Number
 from .setups import FOCUS
+from .spread import SourcedRange
 
 N_DRAWS, SEED = 500, 35
 BAND = (5.0, 95.0)
 """Percentiles that are the ends of a band."""
 
 
-@dataclass(frozen=True)
-class Range:
-    """Values between which one is drawn, evenly, or evenly in the logarithm."""
-
-    low: float
-    high: float
-    source: str
-    is_log: bool = False
-
-    def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
-        """Return n values."""
-        if self.is_log:
-            return np.asarray(np.exp(rng.uniform(np.log(self.low), np.log(self.high), n)))
-        return rng.uniform(self.low, self.high, n)
-
-
 TEXTBOOK: Final = "textbook"
-PULP: Final[Mapping[str, Range]] = {
-    "contact area at 1 N, mm2": Range(80, 120, "no source: from memory"),
-    "its exponent of force": Range(0.2, 0.5, "no source: from memory"),
-    "density, kg/m3": Range(1000, 1100, TEXTBOOK),
-    "sound speed, m/s": Range(1500, 1700, TEXTBOOK),
-    "shear modulus, Pa": Range(2e3, 5e4, "a third of 15 and 40 kPa of Li et al. 2022 (abstract), widened", True),
-    "shear viscosity, Pa s": Range(0.3, 15, "15 of Oestreicher 1951 from memory; 0.3: no source", True),
+PULP: Final[Mapping[str, SourcedRange]] = {
+    "contact area at 1 N, mm2": SourcedRange("contact area at 1 N", "mm2", 80, 120, "no source: from memory"),
+    "its exponent of force": SourcedRange("its exponent of force", "1", 0.2, 0.5, "no source: from memory"),
+    "density, kg/m3": SourcedRange("density", "kg/m3", 1000, 1100, TEXTBOOK),
+    "sound speed, m/s": SourcedRange("sound speed", "m/s", 1500, 1700, TEXTBOOK),
+    "shear modulus, Pa": SourcedRange(
+        "shear modulus", "Pa", 2e3, 5e4, "a third of 15 and 40 kPa of Li et al. 2022 (abstract), widened", "log"
+    ),
+    "shear viscosity, Pa s": SourcedRange(
+        "shear viscosity", "Pa s", 0.3, 15, "15 of Oestreicher 1951 from memory; 0.3: no source", "log"
+    ),
 }
-RANGES: Final[Mapping[str, Range]] = {
+RANGES: Final[Mapping[str, SourcedRange]] = {
     **PULP,
-    "threshold at 250 Hz, um": Range(0.03, 0.3, "no source: 0.1 of the sensitivity curve, 10 dB either way", True),
-    "time of summation, s": Range(0.1, 0.4, "no source: 0.2 by a factor of 2 either way", True),
+    "threshold at 250 Hz, um": SourcedRange(
+        "threshold at 250 Hz", "um", 0.03, 0.3, "no source: 0.1 of the sensitivity curve, 10 dB either way", "log"
+    ),
+    "time of summation, s": SourcedRange(
+        "time of summation", "s", 0.1, 0.4, "no source: 0.2 by a factor of 2 either way", "log"
+    ),
 }
 
 
-def of_ranges(ranges: Mapping[str, Range]) -> str:
+def of_ranges(ranges: Mapping[str, SourcedRange]) -> str:
     """List ranges with their sources."""
     return "; ".join(f"{name} {each.low:g} to {each.high:g} ({each.source})" for name, each in ranges.items())
 
 
 @dataclass(frozen=True)
-class Drawn:
+class FingerDraw:
     """One draw of the finger and of its sensitivity."""
 
     area_at_1n_m2: float
@@ -74,16 +67,16 @@ class Drawn:
         return PulpLoad(*FOCUS, sqrt(self.area_m2(force_n) / pi), self.tissue)
 
 
-def draws(n: int = N_DRAWS, seed: int = SEED) -> Iterator[Drawn]:
+def draws(n: int = N_DRAWS, seed: int = SEED) -> Iterator[FingerDraw]:
     """Yield draws from all ranges."""
     rng = np.random.default_rng(seed)
-    columns = [each.draw(rng, n).tolist() for each in RANGES.values()]
+    columns = [each.at(rng.random(n)).tolist() for each in RANGES.values()]
     for area_mm2, exponent, *of_tissue, threshold_um, summation_s in zip(*columns, strict=True):
-        yield Drawn(1e-6 * area_mm2, exponent, Tissue(*of_tissue), 1e-6 * threshold_um, summation_s)
+        yield FingerDraw(1e-6 * area_mm2, exponent, Tissue(*of_tissue), 1e-6 * threshold_um, summation_s)
 
 
 @dataclass(frozen=True)
-class Band:
+class DrawnBand:
     """Median of the draws, and the percentiles that are its ends."""
 
     low: float
@@ -99,6 +92,6 @@ class Band:
         return Number(quantity, condition, self.value, unit, "derived", low=self.low, high=self.high, **statement)
 
 
-def band_of(values: Sequence[float] | FloatArray) -> Band:
+def band_of(values: Sequence[float] | FloatArray) -> DrawnBand:
     """Return the band of values."""
-    return Band(*np.percentile(values, [BAND[0], 50, BAND[1]]).tolist())
+    return DrawnBand(*np.percentile(values, [BAND[0], 50, BAND[1]]).tolist())

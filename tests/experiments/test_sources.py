@@ -116,7 +116,7 @@ def test_command_prints_the_same_parameters_as_json(capsys):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("no-such-study", "no-such-study: found no such file nor built-in study"),
+        ("no-such-study", "no-such-study: found no such file or built-in study"),
         ("force-loss", "STUDY: found 'force-loss', which has no simulated participants"),
     ],
 )

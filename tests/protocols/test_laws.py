@@ -108,7 +108,7 @@ def test_procedure_rejects_invalid_response(procedure, response):
 def test_finished_procedure_rejects_response(procedure):
     while not procedure.finished:
         procedure = procedure.after(0)
-    with pytest.raises(InvalidParameter, match="has finished"):
+    with pytest.raises(InvalidParameter, match="after the end of the procedure"):
         procedure.after(1)
 
 
