@@ -70,7 +70,10 @@ def test_hybrid_uses_learnt_responses_for_foci_only(learnt):
     ("change", "message"),
     [
         ({"n_points": 2}, r"responses: found 2 points of \d+ samples, expected 1 point of at least"),
-        ({"n_samples": 100}, "responses: found 1 points of 100 samples, .*learn longer responses, or shorten reversal_s"),
+        (
+            {"n_samples": 100},
+            "responses: found 1 points of 100 samples, .*learn longer responses, or shorten reversal_s",
+        ),
         ({"factor": 1e-3}, "level: found 30.0 dB re 1 um, which needs .* above the 200 V of the amplifier"),
     ],
 )

@@ -64,7 +64,12 @@ def test_the_beginning_of_names_lists_them(capsys):
 
 
 @pytest.mark.parametrize(
-    ("name", "near"), [("touch.slied", "touch.slide"), ("scene.finger", "scene.effects.finger_load"), ("", "lists")]
+    ("name", "near"),
+    [
+        ("touch.slied", "touch.slide"),
+        ("scene.finger", "scene.effects.finger_load"),
+        ("", "a name listed by tactometry keys"),
+    ],
 )
 def test_an_unknown_name_is_refused_with_the_nearest(name, near, capsys):
     said = refused(capsys, "keys", name)
