@@ -61,9 +61,11 @@ def felt(times_s: FloatArray, courses_m: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(2 * STEP_HZ * np.sum(np.abs(spectrum * SENSITIVITY) ** 2, axis=-1)))
 
 
-def flights(mass_kg: float, resistance: float, force_n: float, speeds: FloatArray) -> tuple[FloatArray, FloatArray]:
+def flights(
+    mass_kg: float, resistance_n_s_per_m: float, force_n: float, speeds: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return times and heights (n, n_times) of a pulp thrown at speeds (m/s) above 0."""
-    slows_s, sinks = mass_kg / resistance, force_n / resistance
+    slows_s, sinks = mass_kg / resistance_n_s_per_m, force_n / resistance
 
     def height_m(t_s: FloatArray) -> FloatArray:
         start = (speeds + sinks).reshape(-1, *[1] * (t_s.ndim - 1))
@@ -83,10 +85,10 @@ def thresholds_m(one: FingerDraw, force_n: float, course: FocusCourse, loss: flo
     load, area_m2 = one.load(force_n), one.area_m2(force_n)
     needed = one.threshold_m * sqrt(one.summation_s / 2) * 10 ** (-summation_db(area_m2, CONTACTOR_M2) / 20)
     s = np.array([2j * pi * FLIGHT_HZ])
-    resistance = float((disc_stiffness(s, load.radius_m, load.tissue) / s).real.item())
+    resistance_n_s_per_m = float((disc_stiffness(s, load.radius_m, load.tissue) / s).real.item())
     mass_kg = 4 / 3 * load.tissue.density_kg_per_m3 * load.radius_m**3
     speeds = (1 - loss) * course.speed_per_s * AMPLITUDES_M
-    thrown = felt(*flights(mass_kg, resistance, force_n, speeds))
+    thrown = felt(*flights(mass_kg, resistance_n_s_per_m, force_n, speeds))
     of_thrown = np.exp(np.interp(np.log(needed), np.log(thrown), np.log(AMPLITUDES_M)))
     return float(of_thrown), needed / course.felt
 
