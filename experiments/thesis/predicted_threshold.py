@@ -65,7 +65,7 @@ def flights(
     mass_kg: float, resistance_n_s_per_m: float, force_n: float, speeds: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return times and heights (n, n_times) of a pulp thrown at speeds (m/s) above 0."""
-    slows_s, sinks = mass_kg / resistance_n_s_per_m, force_n / resistance
+    slows_s, sinks = mass_kg / resistance_n_s_per_m, force_n / resistance_n_s_per_m
 
     def height_m(t_s: FloatArray) -> FloatArray:
         start = (speeds + sinks).reshape(-1, *[1] * (t_s.ndim - 1))
