@@ -47,7 +47,7 @@ def test_own_observer_answers_a_session(study, tmp_path, capsys):
     code, said, _ = call(capsys, *words, tmp_path / "other")
     assert code == 2
     assert said.count("\n") == 0
-    assert "observer.kind: found 'mine:Guesser', an observer which runs code, expected --allow-code" in said
+    assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
     assert not (tmp_path / "other").exists()
 
 
@@ -55,7 +55,7 @@ def test_own_observer_does_not_run_without_permission(study, tmp_path, capsys):
     (study.parent / "mine.py").write_text("raise SystemExit('it ran')\n")
     code, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d")
     assert code == 2
-    assert "observer.kind: found 'mine:Guesser', an observer which runs code, expected --allow-code" in said
+    assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
     assert not (tmp_path / "d").exists()
     words = ("run", study, "--participant", "P01", "--rig", "console", "--dry-run", "--allow-code")
     assert call(capsys, *words)[0] == 0

@@ -116,7 +116,7 @@ def test_own_signals_reach_the_output_unchanged(own, tmp_path, capsys, monkeypat
     words = ("run", own, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", tmp_path / "d")
     refused = call(capsys, *words)
     assert refused[0] == 2
-    assert "stimulus.kind: found 'mine:Chirp', a stimulus which runs code, expected --allow-code" in refused[1]
+    assert "stimulus.kind: found 'mine:Chirp', a stimulus whose code would run, expected --allow-code" in refused[1]
     assert not (tmp_path / "d").exists()
     assert call(capsys, *words, "--allow-code", "--seed", "3")[0] == 0
     made = {}
@@ -130,7 +130,7 @@ def test_own_signals_reach_the_output_unchanged(own, tmp_path, capsys, monkeypat
 
 def test_own_stimulus_does_not_run_without_permission(own, tmp_path, capsys):
     own.with_name("mine.py").write_text("raise SystemExit('it ran')\n")
-    sentence = "a stimulus which runs code, expected --allow-code"
+    sentence = "a stimulus whose code would run, expected --allow-code"
     for words in (("simulate", own, *ALL, "--out", tmp_path / "d"), ("run", own, "--participant", "P1", "--dry-run")):
         said = refused(capsys, *words)
         assert sentence in said

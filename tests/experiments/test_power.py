@@ -130,7 +130,7 @@ def test_custom_observer_requires_allow_code(capsys, own):
     words = ("power", own, *ASKED[2:-1], "1")
     code, said, _ = call(capsys, *words)
     assert code == 2
-    assert "found 'mine:Mine', an observer which runs code, expected --allow-code" in said
+    assert "found 'mine:Mine', an observer whose code would run, expected --allow-code" in said
     assert "of simulated participants, seed 5" in output(capsys, *words, "--allow-code")
 
 
