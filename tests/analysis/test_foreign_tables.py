@@ -182,7 +182,7 @@ TRIAL = {"participant": "P1", "level": 1, "task": "yes_no", "response": 1}
     [
         ([TRIAL | {f"key_{n}": n} for n in range(20_000)], "trial 4997: found 5001 keys, expected at most 5000"),
         ([TRIAL | {f"key_{t}_{n}": n for n in range(2000)} for t in range(50)], "trial 3: found 6004 keys"),
-        ([TRIAL | {f"key_{n % 4900}": n} for n in range(5000)], "of which 24495000 cells are empty"),
+        ([TRIAL | {f"key_{n % 4900}": n} for n in range(5000)], "with 24495000 empty cells"),
         ([TRIAL | {"data": json.loads("[" * 200 + "]" * 200)}], "nested deeper than 100 levels"),
     ],
     ids=["key per trial", "keys per trial", "sparse", "deep"],

@@ -57,7 +57,7 @@ def test_preference_without_items_is_rejected(tmp_path, capsys, missing, report)
 def test_preference_with_empty_or_equal_items_is_rejected(tmp_path, capsys, changed, found):
     status, said, _ = call(capsys, "analyse", written(tmp_path, pairs(**changed)))
     assert status == 2
-    assert f"t.csv, row 2 and 23 more (3, 4, 5, 6, ...): found the items {found}, expected the two items" in said
+    assert f"t.csv, row 2 and 23 more (3, 4, 5, 6, ...): found the items {found}, expected the first item" in said
 
 
 def test_preferences_with_their_items_are_analysed(tmp_path, capsys):

@@ -136,7 +136,7 @@ def test_procedure_text_includes_all_settings_of_study(name) -> None:
 def test_procedure_text_says_when_questionnaire_is_given(after, told) -> None:
     inquiry = {"form": "demographics", "after": after}
     text = procedure_text({"inquiries": {"who": inquiry}}, "")
-    assert f"The questionnaire demographics was asked {told}" in text
+    assert f"The questionnaire demographics was presented {told}" in text
 
 
 def test_every_stimulus_kind_has_a_description() -> None:
@@ -192,7 +192,7 @@ def test_tracks_are_named_by_procedure() -> None:
     found = analysis_of(RECORDED / "quest-plus-tracks")
     told = [caption for name, caption in captions(found).items() if name.endswith("_tracks")]
     assert told
-    assert all("tracks (QUEST+); filled: " in caption for caption in told)
+    assert all("tracks (QUEST+); filled markers: " in caption for caption in told)
     assert "staircase" not in " ".join(captions(found).values())
     assert not any(name.startswith("mean_rates") for name in captions(found))
 
@@ -252,7 +252,7 @@ def test_captions_describe_means_and_intervals() -> None:
     alike = pd.DataFrame({"mean": [1.0], "mean_low": [np.nan], "n": [3]})
     assert means_text("sentence", alike) == "Mean over participants; there is no interval between participants."
     modelled = told.assign(method=["censored model"])
-    assert means_text("sentence", modelled).endswith("; where a value is a bound, of the censored model.")
+    assert means_text("sentence", modelled).endswith(" (from the censored model if values are censored).")
 
 
 def test_methods_of_questionnaire_match_its_figures() -> None:
@@ -301,7 +301,7 @@ def test_factor_values_are_printed_as_stated() -> None:
 def test_procedure_text_of_adjustment_omits_level_choice() -> None:
     study = read_table(RECORDED / "adjustment" / "study.toml", "a study")
     assert "Levels were chosen" not in procedure_text(study, "")
-    assert "adjustments began" in procedure_text(study, "")
+    assert "starting levels of adjustments were" in procedure_text(study, "")
     assert "(over frequency)" in procedure_text(read_table(RECORDED / "preference" / "study.toml", "a study"), "")
 
 
