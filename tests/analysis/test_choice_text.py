@@ -118,5 +118,5 @@ def test_methods_describe_rule_estimate(whole) -> None:
 
 def test_rate_captions_name_single_participant(whole) -> None:
     told = {figure.name: figure.caption for figure in figures_of(analysis_of(whole))}
-    assert told["rates_yes_no"] == "Rate of “yes” against level, one participant."
+    assert told["rates_yes_no"] == "Rate of “yes” by level, one participant."
     assert told["mean_rates_yes_no"] == "Rate of “yes” over all levels, one participant."

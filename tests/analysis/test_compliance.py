@@ -143,7 +143,7 @@ def test_invalid_plan_is_rejected(tmp_path, text, message) -> None:
 
 
 def test_a_bound_names_a_factor() -> None:
-    with pytest.raises(InvalidParameter, match="equivalence.force: found no such factor, expected some of force_n"):
+    with pytest.raises(InvalidParameter, match="equivalence.force: found no such factor, expected one of force_n"):
         AnalysisPlan(equivalence={"force": 1.0}).check(["force_n"])
 
 

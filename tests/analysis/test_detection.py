@@ -66,8 +66,8 @@ def test_mirrored_answers_negate_the_criterion(hits: int, alarms: int) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: yes_no_sensitivity(3, 2, 0, 5), "n_hits: found 3, expected a count from 0 to n_signals, 2"),
-        (lambda: yes_no_sensitivity(-1, 2, 0, 5), "n_hits: found -1, expected a count from 0 to n_signals, 2"),
+        (lambda: yes_no_sensitivity(3, 2, 0, 5), "n_hits: found 3, expected a count from 0 to n_signals (2)"),
+        (lambda: yes_no_sensitivity(-1, 2, 0, 5), "n_hits: found -1, expected a count from 0 to n_signals (2)"),
         (lambda: yes_no_sensitivity(1, 2, 0, 0), "n_noises: found 0, expected at least 1"),
         (lambda: forced_choice_chance(1.0, 1), "n_alternatives: found 1, expected a whole number from 2"),
         (lambda: forced_choice_chance(np.inf, 2), "d_prime: found inf, expected a finite number"),

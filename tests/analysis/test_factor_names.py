@@ -55,5 +55,5 @@ def test_sessions_and_blocks_may_be_compared(tmp_path):
 def test_levels_with_infinite_range_are_rejected(tmp_path):
     file = table(tmp_path, "colour")
     file.write_text(file.read_text().replace(",5,dB", ",1e308,dB").replace(",1,dB", ",-1e308,dB"))
-    with pytest.raises(InvalidParameter, match=r"found -1e\+308, expected at most 1e\+300 in size"):
+    with pytest.raises(InvalidParameter, match=r"found -1e\+308, expected an absolute value of at most 1e\+300"):
         analyse(file)

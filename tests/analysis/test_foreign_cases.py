@@ -329,10 +329,10 @@ def test_threshold_above_levels_has_lower_bound(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({GUESSED: ""}, "procedure.guess_rates: found 0.5 by default where the task is yes_no"),
+        ({GUESSED: ""}, "procedure.guess_rates: found 0.5 by default in the task yes_no"),
         (
             INTERVALS,
-            "procedure.guess_rates: found 0.5 by default where the task is forced_choice, expected chance, 0.25",
+            "procedure.guess_rates: found 0.5 by default in the task forced_choice, expected chance, 0.25",
         ),
     ],
 )

@@ -190,7 +190,7 @@ def test_code_is_written_without_separators_with_a_warning(capsys, tmp_path, cod
     table = written(tmp_path, replaced("S1,", f"{code},", 1))
     found = analysed(capsys, table)
     assert ours in {cell["participant"] for cell in found["thresholds"]}
-    assert f"{code} as {ours}; [values.participant]" in warned(found, "separators")[0]
+    assert f"{code} as {ours}; set others in [values.participant]" in warned(found, "separators")[0]
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_different_lapse_rates_have_warning():
     table, (warning,) = compared(WITHOUT, WITH)
     assert table["lapse_rate"].tolist() == pytest.approx([0.0, 0.1], abs=0.04)
     assert "from 0.0 [0.0, " in warning
-    assert "for that reason alone" in warning
+    assert "for this reason alone" in warning
 
 
 @pytest.mark.parametrize("answers", [(WITHOUT, WITHOUT), (WITH, WITH), (WITHOUT, FEW_EASY), (WITH,)])

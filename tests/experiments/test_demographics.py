@@ -173,7 +173,11 @@ def test_question_file_is_embedded_in_the_study(tmp_path, capsys):
 
 FLAWS = [
     ('form = "demographics"\nafter = "start"', 'form = "demographics"', "inquiries.about.after: found 'session' with"),
-    ('form = "habits"', 'form = "habits"\nprompt = "Well?"', "inquiries.habits.prompt: found 'Well?', expected none"),
+    (
+        'form = "habits"',
+        'form = "habits"\nprompt = "Well?"',
+        "inquiries.habits.prompt: found 'Well?', expected no value",
+    ),
     ('form = "habits"', 'form = "habit"', "inquiries.habits.form: found 'habit', expected one of"),
     ("code = 2, words", "code = 1, words", "forms.habits: items[0].options[1].code: found 1, expected a whole number"),
     ("code = 2, words", "code = 0, words", "forms.habits: items[0].options[1].code: found 0, expected a whole number"),

@@ -114,7 +114,7 @@ def copied_as(root, code):
 
 
 ROW, CODE = "P99_session-1_study-tutorial_data.csv, row 2", "column 'participant': found 'P01', expected 'P99'"
-HEAD = "found session 1 of P01 (tutorial), expected that of"
+HEAD = "found session 1 of P01 (tutorial), expected the session in"
 
 
 @pytest.mark.parametrize(
@@ -122,8 +122,8 @@ HEAD = "found session 1 of P01 (tutorial), expected that of"
     [
         ("validate", 1, (f"P99_session-1_study-tutorial.jsonl, row 1: {HEAD}", f"{ROW}: {CODE}")),
         ("analyse", 2, (ROW, f"{CODE} as in the file name; remove the file")),
-        ("rebuild", 2, (f"{HEAD} the file's name; remove the copy",)),
-        ("replay", 2, (f"{HEAD} the file's name; remove the copy",)),
+        ("rebuild", 2, (f"{HEAD} the file name; remove the copy",)),
+        ("replay", 2, (f"{HEAD} the file name; remove the copy",)),
     ],
 )
 def test_commands_refuse_a_copy_under_another_name(lived, capsys, command, status, told):
