@@ -49,7 +49,7 @@ def test_exclusion_rule_leaves_out_who_missed_practice(study, tmp_path, capsys):
     path = study(24.0, "\n[analysis.exclusion]\npractice = true\n")
     output(capsys, "simulate", path, "--participants", "8", "--seed", "3", "--out", tmp_path / "data")
     found = json.loads(output(capsys, "analyse", tmp_path / "data", "--json"))
-    (warned,) = [text for text in found["warnings"] if text.startswith("practice ended")]
+    (warned,) = [text for text in found["warnings"] if text.startswith("practice criterion not met")]
     missed = warned.partition(": ")[2].split(", ")
     assert 0 < len(missed) < 8
     assert {row["participant"] for row in found["excluded"]} == set(missed)
