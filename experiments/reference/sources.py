@@ -1,11 +1,10 @@
 """Reference page of the parameters and their sources."""
 
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from ..study.source_table import Group, Parameter, Value, groups, parameters
+from ..study.source_table import Group, Parameter, Value, groups, parameters, status_counts
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "reference" / "sources.md"
 HEAD: Final = """# Parameters and their sources
@@ -39,10 +38,9 @@ def text() -> str:
 
 
 def _counts() -> Iterator[str]:
-    counts = Counter(parameter.status for parameter in parameters())
-    each = ", ".join(f"{n} {status.replace('_', ' ')}" for status, n in sorted(counts.items()))
-    unverified = sum(parameter.is_unverified for parameter in parameters())
-    yield f"Of {counts.total()} parameters, {unverified} are unverified (from memory or no source): {each}.\n"
+    listed = parameters()
+    unverified, each = sum(one.is_unverified for one in listed), status_counts(listed)
+    yield f"Of {len(listed)} parameters, {unverified} are unverified (from memory or no source): {each}.\n"
 
 
 def _section(group: Group) -> Iterator[str]:
@@ -53,9 +51,16 @@ def _section(group: Group) -> Iterator[str]:
 
 def _row(parameter: Parameter) -> str:
     span = f"{_shown(parameter.low)} to {_shown(parameter.high)}"
-    status = parameter.status.replace("_", " ")
     name = ".".join(parameter.path)
-    cells = (f"`{name}`", _shown(parameter.value), span, parameter.unit, status, parameter.source, parameter.read)
+    cells = (
+        f"`{name}`",
+        _shown(parameter.value),
+        span,
+        parameter.unit,
+        parameter.status_text,
+        parameter.source,
+        parameter.read,
+    )
     return f"| {' | '.join(cells)} |"
 
 

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import partial
 from math import inf, isfinite
 from types import ModuleType
 from typing import Any, Final
@@ -16,16 +17,13 @@ from tactometry.stimuli.scenes.scene import Scene
 from .cells import WiredCell
 from .experiment import Experiment
 from .felt_scene import FeltScene, felt
-from .predictions import contact_of, felt_db
+from .predictions import contact_of, felt_db, threshold_db
 from .source_table import Group, Parameter, Value, groups, value_at
 
 Classes = tuple[type, ...]
 N_MARKED: Final = 3
 NEGLIGIBLE_DB: Final = 5e-3
 """Smaller changes are not marked."""
-BELOW_DB: Final = 40.0
-"""How far below the levels of a study a threshold is searched."""
-SILENT_DB: Final = -300.0
 
 
 @dataclass(frozen=True)
@@ -116,16 +114,11 @@ def _felt_scene(experiment: Experiment, cell: WiredCell) -> Scene:
 
 def _reference_level(cell: WiredCell) -> tuple[float, bool]:
     """Return the level at the threshold of a condition, else its highest level."""
-    from scipy.optimize import brentq  # slow to load
-
-    def above_db(level: float) -> float:
-        return max(felt_db(cell, level, contact_of(cell)), SILENT_DB)
-
-    low, high = cell.procedure.rule.bounds
-    in_db = cell.stimulus.level_unit.startswith("dB")
-    if in_db and above_db(low - BELOW_DB) < 0 <= above_db(high):
-        return float(brentq(above_db, low - BELOW_DB, high, xtol=1e-3)), True
-    return high, False
+    bounds = cell.procedure.rule.bounds
+    found = None
+    if cell.stimulus.level_unit.startswith("dB"):
+        found = threshold_db(partial(felt_db, cell, contact=contact_of(cell)), bounds)
+    return (bounds[1], False) if found is None else (found, True)
 
 
 def _influences(group: Group, reference: _Reference, parts: tuple[Any, ...]) -> Iterator[Influence]:

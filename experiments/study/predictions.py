@@ -1,6 +1,6 @@
 """Predict sensation levels, JNDs and too weak conditions of a study."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import inf, sqrt
@@ -28,6 +28,9 @@ from .own_parts import Unseen
 N_LEVELS = 81
 SILENT_DB = -200.0
 """Sensation level of an imperceptible stimulus, in tables that require a finite number."""
+BELOW_DB = 40.0
+"""How far below the levels of a study a threshold is searched."""
+UNFELT_DB, TOLERANCE_DB = -300.0, 1e-3
 TOLERATED_DB = 0.05
 """Distance below the threshold that is tolerated, as it would be printed as 0 dB."""
 NEAR_DB = 10.0
@@ -51,6 +54,22 @@ def played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
 def felt_db(cell: WiredCell, level: float, contact: Contact) -> float:
     """Return the sensation level (dB), or -inf if nothing is felt."""
     return cell.sensation.sensation_db(played(cell, level, contact.speed_m_per_s), contact)
+
+
+def threshold_db(sensation_db: Callable[[float], float], bounds: tuple[float, float]) -> float | None:
+    """Return the level (dB) at a sensation level of 0 dB.
+
+    The result is None if no level within the bounds is felt, or if all are, even `BELOW_DB` below the bounds.
+    """
+    from scipy.optimize import brentq  # slow to load
+
+    def above_db(level_db: float) -> float:
+        return max(sensation_db(level_db), UNFELT_DB)
+
+    low_db, high_db = bounds
+    if not above_db(low_db - BELOW_DB) < 0 <= above_db(high_db):
+        return None
+    return float(brentq(above_db, low_db - BELOW_DB, high_db, xtol=TOLERANCE_DB))
 
 
 def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact: Contact | None = None) -> LevelTable:

@@ -1,5 +1,7 @@
 """The table of parameters with value, range and source."""
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.resources import files
@@ -35,6 +37,11 @@ class Parameter:
     def is_unverified(self) -> bool:
         """True if the number was not read in a source."""
         return self.status in UNVERIFIED
+
+    @property
+    def status_text(self) -> str:
+        """The status in words."""
+        return self.status.replace("_", " ")
 
     @property
     def path(self) -> list[str]:
@@ -96,6 +103,12 @@ def groups() -> tuple[Group, ...]:
 def parameters() -> tuple[Parameter, ...]:
     """Return the parameters of all groups."""
     return tuple(parameter for group in groups() for parameter in group.parameters)
+
+
+def status_counts(listed: Iterable[Parameter]) -> str:
+    """Return the number of parameters of each status as a text."""
+    counts = Counter(one.status_text for one in listed)
+    return ", ".join(f"{n} {status}" for status, n in sorted(counts.items()))
 
 
 def value_at(holder: Any, path: list[str]) -> Value:

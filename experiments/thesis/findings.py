@@ -203,7 +203,7 @@ ITEMS = {
         "with a band use none of these constants, and agree if the band holds 10 um, or 0 dB: the Pacinian channel "
         "detects a course whose filtered energy is that of a vibration at threshold within the time of summation, 3 "
         "dB less per doubling of the contact area; the loaded focus throws off the pulp's moving mass "
-        f"(4/3 rho a^3), which the force and its viscosity bring back. DrawnBand: {BAND_ASSUMES}, {of_ranges(RANGES)}.",
+        f"(4/3 rho a^3), which the force and its viscosity bring back. Band: {BAND_ASSUMES}, {of_ranges(RANGES)}.",
         numbers=threshold_of_focus,
         outcome="The amplitude is an input, and so is the lack of influence: the amplitude of the free plate counts "
         "(criterion unloaded). The amplitude *under* the finger (criterion loaded) falls with force, so that the "
@@ -228,7 +228,7 @@ ITEMS = {
         "elsewhere is the mean over five places. 4 to 8 % counts as about 6 %, 25 to 33 % as up to 30 %. The *pulp "
         "of soft tissue* uses no constant set to a loss: a disc of the contact's area on a viscoelastic "
         "half-space (elastic, viscous, inertial and radiating), which answers the mean motion over the disc, on "
-        "plates of tau = 2, 3.5 and 5 ms by turns; it agrees if its band holds 30 % or 6 %. DrawnBand: "
+        "plates of tau = 2, 3.5 and 5 ms by turns; it agrees if its band holds 30 % or 6 %. Band: "
         f"{BAND_ASSUMES}, {of_ranges(PULP)}.",
         numbers=loss_under_finger,
         outcome="Both numbers of the default row are calibrated: resistance (10 N s/m) and tau were chosen to meet "

@@ -20,8 +20,8 @@ from tactometry.stimuli.electrovibration.motion.skin_mobility import SkinMobilit
 from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.scenes.effects.carrier import Carrier
 
-from .reproduction import Number
-from .spread import SourcedRange, band, draw, rank_correlations
+from .reproduction import Number, band_of
+from .spread import SourcedRange, draw, rank_correlations
 
 N_DRAWS, SEED = 2000, 35
 FREQUENCIES_HZ = (30.0, 60.0, 120.0, 180.0, 240.0, 320.0, 400.0, 480.0)
@@ -182,16 +182,14 @@ def _surface(levels_db: FloatArray) -> Iterator[Number]:
     for i, f_hz in enumerate(FREQUENCIES_HZ):
         for name, values in zip(columns, np.concatenate([levels_db, changed_db], axis=-1)[:, i].T, strict=True):
             unit = "dB" if name == _span() else "dB re 1 V"
-            low, median, high = band(values)
-            yield Number(name, f"{f_hz:g} Hz", median, unit, "derived", low=low, high=high, part=SURFACE)
+            yield band_of(values).number(name, f"{f_hz:g} Hz", unit, part=SURFACE)
 
 
 def _changed(row: str, changed_db: FloatArray) -> Iterator[Number]:
     """Yield changes of an ablation row, and shares of draws that agree."""
     for f_hz in SHOWN_HZ:
-        low, median, high = band(changed_db[:, FREQUENCIES_HZ.index(f_hz)])
-        quantity = f"{_span()}, {f_hz:g} Hz"
-        yield Number(quantity, row, median, "dB", "derived", is_variant=True, low=low, high=high, part=ABLATION)
+        of_row = band_of(changed_db[:, FREQUENCIES_HZ.index(f_hz)])
+        yield of_row.number(f"{_span()}, {f_hz:g} Hz", row, "dB", is_variant=True, part=ABLATION)
     is_above = np.array(FREQUENCIES_HZ) > BEST_HZ
     limited = (np.abs(changed_db[:, ~is_above]) < LIMITED_DB).all(axis=1)
     falls = (changed_db[:, is_above] < 0).all(axis=1)

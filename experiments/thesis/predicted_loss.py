@@ -17,8 +17,8 @@ from tactometry.stimuli.time_reversal.responses.responses import Point
 from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S, Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 
-from .ranges import FingerDraw, band_of, draws
-from .reproduction import Number
+from .ranges import FingerDraw, draws
+from .reproduction import Number, band_of
 from .setups import ELSEWHERE, FOCUS, RIG_BAND
 
 PRESSED_N = 2.0

@@ -22,8 +22,8 @@ from tactometry.stimuli.time_reversal.pulp import disc_stiffness
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 from .predicted_loss import loss_by_disc
-from .ranges import FingerDraw, band_of, draws
-from .reproduction import Number
+from .ranges import FingerDraw, draws
+from .reproduction import Number, band_of
 from .setups import FOCUS, UNFILTERED
 
 FORCES_N: Final = (0.5, 1.5, 3.0)

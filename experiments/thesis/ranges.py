@@ -1,51 +1,42 @@
 """Ranges of published values behind the bands of findings 1 and 2, and draws from them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi, sqrt
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from tactometry.stimuli.arrays import FloatArray
 from tactometry.stimuli.time_reversal.pulp import PulpLoad, Tissue
 
-from .reproduction import Number
 from .setups import FOCUS
 from .spread import SourcedRange
 
 N_DRAWS, SEED = 500, 35
-BAND = (5.0, 95.0)
-"""Percentiles that are the ends of a band."""
-
 
 TEXTBOOK: Final = "textbook"
-PULP: Final[Mapping[str, SourcedRange]] = {
-    "contact area at 1 N, mm2": SourcedRange("contact area at 1 N", "mm2", 80, 120, "no source: from memory"),
-    "its exponent of force": SourcedRange("its exponent of force", "1", 0.2, 0.5, "no source: from memory"),
-    "density, kg/m3": SourcedRange("density", "kg/m3", 1000, 1100, TEXTBOOK),
-    "sound speed, m/s": SourcedRange("sound speed", "m/s", 1500, 1700, TEXTBOOK),
-    "shear modulus, Pa": SourcedRange(
+PULP: Final = (
+    SourcedRange("contact area at 1 N", "mm2", 80, 120, "no source: from memory"),
+    SourcedRange("its exponent of force", "", 0.2, 0.5, "no source: from memory"),
+    SourcedRange("density", "kg/m3", 1000, 1100, TEXTBOOK),
+    SourcedRange("sound speed", "m/s", 1500, 1700, TEXTBOOK),
+    SourcedRange(
         "shear modulus", "Pa", 2e3, 5e4, "a third of 15 and 40 kPa of Li et al. 2022 (abstract), widened", "log"
     ),
-    "shear viscosity, Pa s": SourcedRange(
-        "shear viscosity", "Pa s", 0.3, 15, "15 of Oestreicher 1951 from memory; 0.3: no source", "log"
-    ),
-}
-RANGES: Final[Mapping[str, SourcedRange]] = {
-    **PULP,
-    "threshold at 250 Hz, um": SourcedRange(
+    SourcedRange("shear viscosity", "Pa s", 0.3, 15, "15 of Oestreicher 1951 from memory; 0.3: no source", "log"),
+)
+RANGES: Final = (
+    *PULP,
+    SourcedRange(
         "threshold at 250 Hz", "um", 0.03, 0.3, "no source: 0.1 of the sensitivity curve, 10 dB either way", "log"
     ),
-    "time of summation, s": SourcedRange(
-        "time of summation", "s", 0.1, 0.4, "no source: 0.2 by a factor of 2 either way", "log"
-    ),
-}
+    SourcedRange("time of summation", "s", 0.1, 0.4, "no source: 0.2 by a factor of 2 either way", "log"),
+)
 
 
-def of_ranges(ranges: Mapping[str, SourcedRange]) -> str:
+def of_ranges(ranges: Sequence[SourcedRange]) -> str:
     """List ranges with their sources."""
-    return "; ".join(f"{name} {each.low:g} to {each.high:g} ({each.source})" for name, each in ranges.items())
+    return "; ".join(f"{one.label} {one.low:g} to {one.high:g} ({one.source})" for one in ranges)
 
 
 @dataclass(frozen=True)
@@ -70,28 +61,6 @@ class FingerDraw:
 def draws(n: int = N_DRAWS, seed: int = SEED) -> Iterator[FingerDraw]:
     """Yield draws from all ranges."""
     rng = np.random.default_rng(seed)
-    columns = [each.at(rng.random(n)).tolist() for each in RANGES.values()]
+    columns = [each.at(rng.random(n)).tolist() for each in RANGES]
     for area_mm2, exponent, *of_tissue, threshold_um, summation_s in zip(*columns, strict=True):
         yield FingerDraw(1e-6 * area_mm2, exponent, Tissue(*of_tissue), 1e-6 * threshold_um, summation_s)
-
-
-@dataclass(frozen=True)
-class DrawnBand:
-    """Median of the draws, and the percentiles that are its ends."""
-
-    low: float
-    value: float
-    high: float
-
-    def holds(self, stated: float) -> bool:
-        """Return True if a statement is within the band."""
-        return self.low <= stated <= self.high
-
-    def number(self, quantity: str, condition: str, unit: str, **statement: Any) -> Number:
-        """Return a derived number with this band."""
-        return Number(quantity, condition, self.value, unit, "derived", low=self.low, high=self.high, **statement)
-
-
-def band_of(values: Sequence[float] | FloatArray) -> DrawnBand:
-    """Return the band of values."""
-    return DrawnBand(*np.percentile(values, [BAND[0], 50, BAND[1]]).tolist())

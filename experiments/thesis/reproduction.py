@@ -1,14 +1,19 @@
 """Reproduced table, figure or finding, with the origin of its numbers."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal, get_args
 
+import numpy as np
+
 from tactometry.arguments.require import one_of
+from tactometry.stimuli.arrays import FloatArray
 
 from .spread import SourcedRange
 
 Origin = Literal["derived", "calibrated", "assumed"]
+QUANTILES: Final = (0.05, 0.5, 0.95)
+"""Ends and median of a band."""
 ORIGINS: Final[tuple[Origin, ...]] = get_args(Origin)
 
 
@@ -58,6 +63,28 @@ class Number:
         if not self.holds:
             return "does not agree"
         return "**reproduced**" if self.origin == "derived" else f"agrees, as {self.origin}"
+
+
+@dataclass(frozen=True)
+class DrawnBand:
+    """Median of the draws, and the quantiles that are its ends."""
+
+    low: float
+    value: float
+    high: float
+
+    def holds(self, stated: float) -> bool:
+        """Return True if a statement is within the band."""
+        return self.low <= stated <= self.high
+
+    def number(self, quantity: str, condition: str, unit: str, **statement: Any) -> Number:
+        """Return a derived number with this band."""
+        return Number(quantity, condition, self.value, unit, "derived", low=self.low, high=self.high, **statement)
+
+
+def band_of(values: Sequence[float] | FloatArray) -> DrawnBand:
+    """Return the band of values."""
+    return DrawnBand(*np.quantile(values, QUANTILES).tolist())
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,6 @@ import numpy as np
 
 from tactometry.stimuli.arrays import FloatArray
 
-QUANTILES = (0.05, 0.5, 0.95)
-
 
 @dataclass(frozen=True)
 class SourcedRange:
@@ -32,6 +30,11 @@ class SourcedRange:
     source: str
     scale: Literal["linear", "log"] = "linear"
 
+    @property
+    def label(self) -> str:
+        """Name with the unit, if any."""
+        return f"{self.name}, {self.unit}" if self.unit else self.name
+
     def at(self, share: FloatArray) -> FloatArray:
         """Return the values at shares (0 to 1) of the range.
 
@@ -52,12 +55,6 @@ def draw(ranges: Mapping[str, SourcedRange], n_draws: int, seed: int) -> dict[st
     parts = rng.permuted(np.tile(np.arange(n_draws), (len(ranges), 1)), axis=1)
     shares = (parts + rng.random(parts.shape)) / n_draws
     return {name: one.at(share) for (name, one), share in zip(ranges.items(), shares, strict=True)}
-
-
-def band(values: FloatArray) -> tuple[float, float, float]:
-    """Return the 5 % quantile, median and 95 % quantile."""
-    low, median, high = np.quantile(values, QUANTILES)
-    return float(low), float(median), float(high)
 
 
 def rank_correlations(drawn: Mapping[str, FloatArray], result: FloatArray) -> dict[str, float]:

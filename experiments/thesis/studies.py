@@ -1,7 +1,7 @@
 """Built-in studies: sensations of simulated participants, and data."""
 
 import math
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ from tactometry.contact import Contact
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.simulated import Sensation
 
+from ..study import predictions
 from ..study.cells import WiredCell
 from ..study.experiment import Experiment, wire
 from ..study.study_file import load
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
 
     from tactometry.analysis.reading.trials import Trials
 
-BELOW_DB = 40.0
-"""How far below the levels of a study a threshold is searched."""
-TOLERANCE_DB, UNFELT_DB = 1e-3, -300.0
 STUDY, N_PARTICIPANTS, FORCE = "electrovibration-threshold", 4, "force_n"
 FORCES_ASSUME = (
     f"{N_PARTICIPANTS} simulated participants of the built-in study {STUDY} with seed 1. Its forces are unverified "
@@ -58,15 +56,8 @@ def threshold_db(cell: WiredCell, felt: Sensation | None = None) -> float:
 
     The result is NaN if no level of the study is felt, or if all are by 40 dB.
     """
-    from scipy.optimize import brentq
-
-    def above_db(level_db: float) -> float:
-        return max(sensation_db(cell, level_db, felt), UNFELT_DB)
-
-    low_db, high_db = cell.procedure.rule.bounds
-    if not above_db(low_db - BELOW_DB) < 0 < above_db(high_db):
-        return math.nan
-    return float(brentq(above_db, low_db - BELOW_DB, high_db, xtol=TOLERANCE_DB))
+    found = predictions.threshold_db(partial(sensation_db, cell, felt=felt), cell.procedure.rule.bounds)
+    return math.nan if found is None else found
 
 
 @lru_cache(maxsize=4)

@@ -1,6 +1,5 @@
 """`tactometry sources`."""
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -38,6 +37,8 @@ def command(study: str, *, allow_code: bool) -> None:
 
 
 def _lines(study: str, found: "StudySources") -> Iterator[str]:
+    from tactometry.experiments.study.source_table import status_counts
+
     condition = ", ".join(f"{name} {cell(value)}" for name, value in found.condition.items())
     place = "predicted threshold" if found.is_threshold else "highest level"
     where = f"{study} at {condition}" if condition else study
@@ -49,9 +50,8 @@ def _lines(study: str, found: "StudySources") -> Iterator[str]:
     others = [one.parameter.key for one in found.influences if one.at_low_db is None and one.at_high_db is None]
     if others:
         yield f"change not computed: {', '.join(others)}"
-    counts = Counter(one.parameter.status for one in found.influences)
-    words = ", ".join(f"{n} {status.replace('_', ' ')}" for status, n in sorted(counts.items()))
-    yield f"{len(found.influences)} parameters: {words}"
+    listed = [one.parameter for one in found.influences]
+    yield f"{len(listed)} parameters: {status_counts(listed)}"
     large = [one for one in found.influences if one.largest_db >= LARGE_DB]
     unverified = sum(one.parameter.is_unverified for one in large)
     yield f"{len(large)} change the level by {LARGE_DB:g} dB or more, {unverified} of them from memory or no source"
@@ -62,8 +62,7 @@ def _cells(one: "Influence") -> tuple[str, ...]:
     span = f"{_number(parameter.low)} to {_number(parameter.high)}"
     mark = "*" if one.is_marked else ""
     changes = (_change(one.at_low_db), _change(one.at_high_db))
-    status = parameter.status.replace("_", " ")
-    return (mark, parameter.key, _number(one.set_to), span, parameter.unit, *changes, status)
+    return (mark, parameter.key, _number(one.set_to), span, parameter.unit, *changes, parameter.status_text)
 
 
 def _number(value: float | str) -> str:
