@@ -197,7 +197,7 @@ def _count_notes(model: CensoredAnova) -> list[str]:
 
 
 def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -> Outcome:
-    """Add a mixed model with the measured force in place of the target force."""
+    """Add a mixed model with the measured force instead of the target."""
     keys = [SUBJECT, *design.factors]
     measured = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
     data = design.table.merge(measured[measured["force_mean_n"] > 0], on=keys, how="inner")  # 0 has no logarithm

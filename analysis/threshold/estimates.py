@@ -266,7 +266,7 @@ def is_regular(mode: Mode) -> Bools:
 
 
 def _with_width(theta: Array) -> Array:
-    """Return the parameters with the width in place of its logarithm."""
+    """Return the parameters with the width instead of its logarithm."""
     theta = theta.copy()
     with np.errstate(over="ignore"):
         theta[:, LOG_WIDTH] = np.exp(theta[:, LOG_WIDTH])

@@ -91,7 +91,8 @@ def sources_of(experiment: Experiment) -> StudySources:
     level, is_threshold = _reference_level(cell)
     reference = _Reference(cell, scene, level)
     parts = (cell.stimulus, scene, experiment.people.middle, experiment.people.raters, experiment.study.finger)
-    found = [one for group in groups() for one in _influences(group, reference, parts)]
+    before_db = reference.sensation_db()
+    found = [one for group in groups() for one in _influences(group, reference, before_db, parts)]
     found.sort(key=lambda one: -one.largest_db)
     marked = [replace(one, is_marked=one.largest_db > NEGLIGIBLE_DB) for one in found[:N_MARKED]]
     shown = (*marked, *found[N_MARKED:])
@@ -121,7 +122,7 @@ def _reference_level(cell: WiredCell) -> tuple[float, bool]:
     return (bounds[1], False) if found is None else (found, True)
 
 
-def _influences(group: Group, reference: _Reference, parts: tuple[Any, ...]) -> Iterator[Influence]:
+def _influences(group: Group, reference: _Reference, before_db: float, parts: tuple[Any, ...]) -> Iterator[Influence]:
     """Yield the influences of a group, none if the study does not use it."""
     if group.classes:
         held = next(_instances(parts, group.classes), None)
@@ -133,21 +134,24 @@ def _influences(group: Group, reference: _Reference, parts: tuple[Any, ...]) -> 
         one = Influence(parameter, set_to)
         if group.varied:
             ends = parameter.low, parameter.high
-            low_db, high_db = (0.0 if end == set_to else _change_db(reference, group, parameter, end) for end in ends)
+            low_db, high_db = (
+                0.0 if end == set_to else _finite(_db_at(reference, group, parameter, end) - before_db) for end in ends
+            )
             one = replace(one, at_low_db=low_db, at_high_db=high_db)
         yield one
 
 
-def _change_db(reference: _Reference, group: Group, parameter: Parameter, end: Value) -> float | None:
-    """Return the change of the sensation level, None if it cannot be computed."""
-    before_db, after_db = reference.sensation_db(), -inf
+def _db_at(reference: _Reference, group: Group, parameter: Parameter, end: Value) -> float:
+    """Return the sensation level at an end of a range, -inf if it cannot be computed."""
     with suppress(InvalidParameter, LimitExceeded):
         if group.classes:
-            after_db = reference.varied(group.classes, parameter.path[0], end).sensation_db()
-        else:
-            with _constant(group.target, parameter.path, end):
-                after_db = reference.renewed().sensation_db()
-    change_db = after_db - before_db
+            return reference.varied(group.classes, parameter.path[0], end).sensation_db()
+        with _constant(group.target, parameter.path, end):
+            return reference.renewed().sensation_db()
+    return -inf
+
+
+def _finite(change_db: float) -> float | None:
     return change_db if isfinite(change_db) else None
 
 

@@ -159,9 +159,8 @@ def disc_stiffness(s: ComplexArray, radius_m: Positive, tissue: Tissue) -> Compl
     """
     shear = tissue.shear_pa(s)
     e = shear / (tissue.density_kg_per_m3 * tissue.sound_speed_m_per_s**2)
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # NaN and infinity are rejected as too short a wave
         p = (s * radius_m / tissue.sound_speed_m_per_s) ** 2  # squares of the p and q above
-    with np.errstate(all="ignore"):  # what is no number is refused as too short a wave
         q = np.where(s == 0, 0.0, p / e)
     ends = _ends(np.sqrt(np.abs(q)))
     total = np.empty(len(s), complex)

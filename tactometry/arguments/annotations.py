@@ -96,8 +96,11 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
         return AnnotationRule(lambda value: isinstance(value, str) and value in inner, words, choices=inner)
     if origin is Mapping:
         part = rule_of(inner[1], high, unbounded)
-        fits = lambda value: isinstance(value, Mapping) and all(map(part.fits, value.values()))  # noqa: E731
-        return AnnotationRule(fits, f"a mapping to {part.words}", part=part)
+        return AnnotationRule(
+            lambda value: isinstance(value, Mapping) and all(map(part.fits, value.values())),
+            f"a mapping to {part.words}",
+            part=part,
+        )
     if origin in (tuple, Sequence, list):
         parts = [rule_of(part, high, unbounded) for part in inner if part is not Ellipsis]
         return _each(parts[0], bounds if inner[0] is float else None) if len(parts) == 1 else _row(parts)
@@ -127,8 +130,12 @@ def _of_numbers(hint: Any, bounds: Bounds) -> AnnotationRule:
         return AnnotationRule(lambda value: number(value) or bounds.array(value), numbers, good=good)
     dtype = get_args(get_args(hint)[1])[0]
     kinds, prefix = ("iufc", "complex ") if issubclass(dtype, np.complexfloating) else ("iuf", "")
-    fits = lambda value: _is_listed(value) and bounds.array(value, kinds)  # noqa: E731
-    return AnnotationRule(fits, f"an array of {prefix}{numbers}", good=good, dtype=dtype)
+    return AnnotationRule(
+        lambda value: _is_listed(value) and bounds.array(value, kinds),
+        f"an array of {prefix}{numbers}",
+        good=good,
+        dtype=dtype,
+    )
 
 
 def _all_within(found: NDArray[Any], high: float) -> bool:
@@ -174,8 +181,12 @@ def _each(rule: AnnotationRule, bounds: Bounds | None) -> AnnotationRule:
     words = f"a list, each of it {rule.words}"
     if bounds is None:
         return AnnotationRule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
-    fits = lambda value: _is_listed(value) and bounds.array(value) and np.ndim(value) == 1  # noqa: E731
-    return AnnotationRule(fits, words, part=rule, good=bounds.good)
+    return AnnotationRule(
+        lambda value: _is_listed(value) and bounds.array(value) and np.ndim(value) == 1,
+        words,
+        part=rule,
+        good=bounds.good,
+    )
 
 
 def _of_class(kind: type) -> AnnotationRule:

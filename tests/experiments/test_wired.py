@@ -78,4 +78,4 @@ def test_equal_cells_share_one_feeling():
     plain, first, second = (wired(of_two, also) for also in ("", more.format(0.1), more.format(0.3)))
     assert (len(plain.cells), len(plain.feelings("P01", 1))) == (4, 2)
     assert plain.feelings("P01", 1) == second.feelings("P01", 1) != first.feelings("P01", 1)
-    assert {factors["tolerance"] for factors in plain._met_factors.values()} == {0.1}
+    assert {cell.condition.factors["tolerance"] for cell in plain._met.values()} == {0.1}

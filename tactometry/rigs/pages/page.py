@@ -1,6 +1,6 @@
 """Page of the participant's screen: items, buttons and answers to events.
 
-Lengths are in screen heights, with the origin in the middle and y upwards. A page so looks the same on every
+Lengths are in screen heights, with the origin in the middle and y upwards. A page looks the same on every
 sufficiently wide screen.
 """
 
