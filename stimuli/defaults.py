@@ -20,6 +20,9 @@ RESISTANCE_N_S_PER_M: Final = 10.0
 FORCE_EXPONENT: Final = 0.5
 """By which a finger's resistance grows with its force; source: `fingertip` in `stimuli/sources.toml`."""
 
+LUMPED: Final = "lumped"
+"""Impedance of a finger on a plate: damper, mass and spring."""
+
 AREA_AT_1N_M2: Final = 1e-4
 AREA_EXPONENT: Final = 1 / 3
 """Contact area of a finger at 1 N, and its growth with force; unverified defaults."""

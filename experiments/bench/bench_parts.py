@@ -81,7 +81,8 @@ class OutputPart:
 
     Parameters
     ----------
-    settings : OutputSettings Settings of the device.
+    settings : OutputSettings
+        Settings of the device.
     gain : Gain, optional
         Voltage at the load for a sample value of 1. Required if an amplifier is connected.
     load : Load, optional
@@ -110,7 +111,8 @@ class SensorPart:
 
     Parameters
     ----------
-    settings : SensorSettings Settings of the device.
+    settings : SensorSettings
+        Settings of the device.
     delay_s : float
         Measured delay of the time stamps after the event.
     """

@@ -115,7 +115,8 @@ class Study:
         ``kind`` and keys of the touch: the contact of the finger.
     procedure : mapping
         ``kind`` and keys of the procedure: the choice of the next level.
-    limits : Limits Limits for every signal.
+    limits : Limits
+        Limits for every signal.
     counterbalance : tuple of str
         Factors whose order changes with the participant's number, outermost first.
     trial_s : float

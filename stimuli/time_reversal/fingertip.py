@@ -12,6 +12,7 @@ from ..defaults import (
     AREA_AT_1N_M2,
     AREA_EXPONENT,
     FORCE_EXPONENT,
+    LUMPED,
     REFERENCE_FORCE_N,
     RESISTANCE_N_S_PER_M,
     SHEAR_VISCOSITY_PA_S,
@@ -41,19 +42,25 @@ class Fingertip:
         Stiffness (spring) at 2 N, at least 0.
     exponent : float
         From 1/3 (radius of a Hertz contact) to 2/3 (its area); the default of 1/2 has no source.
+    area_at_1n_m2 : float
+        Contact area of tissue at 1 N.
+    area_exponent : float
+        Exponent with which that area grows with the force.
+    shear_viscosity_pa_s : float
+        Shear viscosity of tissue, Pa s.
     """
 
     resistance_n_s_per_m: NotNegative = RESISTANCE_N_S_PER_M
     mass_kg: NotNegative = 0.0
     stiffness_n_per_m: NotNegative = 0.0
     exponent: NotNegative = FORCE_EXPONENT
-    impedance: Literal["lumped", "tissue"] = "lumped"
+    impedance: Literal["lumped", "tissue"] = LUMPED
     area_at_1n_m2: Positive = AREA_AT_1N_M2
     area_exponent: NotNegative = AREA_EXPONENT
     shear_viscosity_pa_s: Positive = SHEAR_VISCOSITY_PA_S
 
     def __post_init__(self) -> None:
-        one_of("Fingertip.impedance", self.impedance, ("lumped", "tissue"))
+        one_of("Fingertip.impedance", self.impedance, (LUMPED, "tissue"))
         at_most("Fingertip.exponent", self.exponent, 2.0)
         at_most("Fingertip.area_exponent", self.area_exponent, 2.0)
 
@@ -66,7 +73,7 @@ class Fingertip:
         from .responses.load import PlateLoad
 
         expected = "'lumped' where contacts open; a contact of tissue is linear"
-        expect(self.impedance == "lumped", "Fingertip.impedance", repr(self.impedance), expected)
+        expect(self.impedance == LUMPED, "Fingertip.impedance", repr(self.impedance), expected)
         # 0 ** 0 is 1: with an exponent of 0 a finger that touches nothing would load the plate
         growth = (force_n / REFERENCE_FORCE_N) ** self.exponent if force_n > 0 else 0.0
         at_2_n = self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m
@@ -78,7 +85,7 @@ class Fingertip:
         >>> round(1e3 * Fingertip(impedance="tissue").contact((0.1, 0.1), 1.0).radius_m, 2)
         5.64
         """
-        if self.impedance == "lumped":
+        if self.impedance == LUMPED:
             return self.load(at_m, force_n)
         if force_n == 0:
             from .responses.load import PlateLoad

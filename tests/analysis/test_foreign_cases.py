@@ -123,7 +123,7 @@ def test_folder_warns_of_files_it_does_not_read(capsys, tmp_path, name):
     (folder / name).parent.mkdir(exist_ok=True)
     (folder / name).write_text("{}")
     found = analysed(capsys, folder)
-    assert (found["n_participants"], warning(found, "not read")) == (4, f"not read: {name}")
+    assert (found["n_participants"], warning(found, "not read")) == (4, f"files not read: {name}")
 
 
 def test_folder_does_not_warn_of_duplicate_formats(capsys, tmp_path):
@@ -137,7 +137,7 @@ def test_bids_folder_warns_of_subjects_without_trials(capsys, tmp_path):
     beh = folder / "sub-04" / "beh"
     (beh / "sub-04_task-detect_beh.tsv").rename(beh / "sub-04_task-detect.tsv")
     found = analysed(capsys, folder)
-    assert (found["n_participants"], warning(found, "not read")) == (3, "not read: sub-04")
+    assert (found["n_participants"], warning(found, "not read")) == (3, "files not read: sub-04")
 
 
 def test_participants_without_a_kept_row_are_named(capsys, tmp_path):
@@ -177,7 +177,7 @@ def test_files_sharing_a_participant_are_named(capsys, tmp_path):
         (tmp_path / name).write_text("level,response\n1,n\n2,y\n3,y\n")
     (tmp_path / "map.toml").write_text(MAP + '[from_name]\nparticipant = "*_"\n')
     said = warning(analysed(capsys, tmp_path, tmp_path / "map.toml"), "from_name")
-    assert said == "read as one participant, results, by from_name: results_1.csv, results_2.csv"
+    assert said == "files read as one participant, results (from_name): results_1.csv, results_2.csv"
 
 
 # --- counts, and tables of correct and wrong

@@ -62,7 +62,9 @@ def test_uneven_deviations_cost_degrees_of_freedom() -> None:
 
 
 def test_shared_widths_have_no_test(study) -> None:
-    with pytest.raises(InvalidParameter, match="of: found 'log_width' over force_n, expected conditions whose widths"):
+    with pytest.raises(
+        InvalidParameter, match="of: found 'log_width' over force_n, expected conditions with separate widths"
+    ):
         fitted(study[0]).effect("force_n", of="log_width")
 
 

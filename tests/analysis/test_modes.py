@@ -55,7 +55,12 @@ def test_levels_felt_through_table_are_fitted_unchanged():
 @pytest.mark.parametrize(
     ("levels", "answers", "shape", "sentence"),
     [
-        (np.zeros(3), np.zeros(3), "normal", r"fit_modes: found shapes \(3,\), \(3,\), expected \(n_sets, n_trials\)"),
+        (
+            np.zeros(3),
+            np.zeros(3),
+            "normal",
+            r"fit_modes: found shapes \(3,\), \(3,\), expected two arrays of shape \(n_sets, n_trials\)",
+        ),
         (np.zeros((1, 3)), np.full((1, 3), 2), "normal", "fit_modes.answers: found another value, expected 1 or 0"),
         (np.zeros((1, 3)), np.zeros((1, 3)), "weibull", "fit_modes.shape: found weibull"),
     ],

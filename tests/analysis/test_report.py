@@ -251,7 +251,7 @@ def test_command_rejects_bad_table_with_one_sentence(tmp_path, capsys) -> None:
 def test_report_requires_writable_html_path(study, found, tmp_path) -> None:
     with pytest.raises(InvalidParameter, match=r"--report: found 'r.txt', expected a file name that ends in .html"):
         analyse(study[0], report=tmp_path / "r.txt")
-    with pytest.raises(InvalidParameter, match="--pdf: found no --report, expected one"):
+    with pytest.raises(InvalidParameter, match="--pdf: found no --report, expected --report FILE.html"):
         analyse(study[0], pdf=True)
     (tmp_path / "file").write_text("")
     with pytest.raises(DeviceFailed, match="cannot be written"):
@@ -273,7 +273,7 @@ def test_refuses_levels_in_two_units(tmp_path) -> None:
     path.write_text(
         "participant,trial,procedure,level,level_unit,task,response\nP1,1,c,1,V,yes_no,1\nP1,2,c,1,dB,yes_no,0\n"
     )
-    with pytest.raises(InvalidFile, match="row 3, column 'level_unit': found 'dB', expected 'V' as before"):
+    with pytest.raises(InvalidFile, match="row 3, column 'level_unit': found 'dB', expected 'V' as in earlier rows"):
         analyse(path)
 
 

@@ -41,7 +41,7 @@ def test_column_is_converted_to_si(tmp_path, name, unit, cell, value):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('[units]\nlatency_s = "mV"', "units.latency_s: found 'mV', which is in V, expected a unit of s"),
+        ('[units]\nlatency_s = "mV"', "units.latency_s: found 'mV', a unit of V, expected a unit of s"),
         ('[units]\nlevel = "mv"', "units.level: found 'mv', expected a unit such as ms, mV or N; did you mean"),
         ('level_scale = "log"', "level_scale: found 'log', expected one of linear, log10, db"),
     ],

@@ -180,7 +180,9 @@ def test_missing_hierarchical_fit_has_reason(found, note) -> None:
 
 def test_very_many_cells_are_left_to_the_function(monkeypatch) -> None:
     monkeypatch.setattr(module, "MOST_CELLS", 2)
-    assert group_fit([cell(who) for who in "ABC"], [], "").note.startswith("no hierarchical fit: 3 cells, at most 2")
+    assert group_fit([cell(who) for who in "ABC"], [], "").note.startswith(
+        "no hierarchical fit: 3 cells, a report fits at most 2"
+    )
     assert group_fit([cell(who) for who in "AB"], [], "").fit is not None
 
 

@@ -211,7 +211,7 @@ def test_departures_are_listed_with_their_reason(whole):
     assert "No share differs significantly from the stated value." in page(found)
     table.loc[0, "verdict"] = "too few"
     wrong = page(Validated(SMALL, {"comparisons": table}, found.seconds))
-    assert "- *equality*, too few in 1 of the rows: as for the difference." in wrong
+    assert "- *equality*, too few in 1 of the rows: same reason as for the difference." in wrong
 
 
 def test_departure_of_all_rows_together_is_listed(whole):
@@ -219,7 +219,7 @@ def test_departure_of_all_rows_together_is_listed(whole):
     _, found = whole
     table = found.tables["comparisons"].assign(n=1000, share=0.94, stated=0.95, verdict="")
     said = page(Validated(SMALL, {"comparisons": table}, found.seconds))
-    assert "- *equality*: 94.0 % over all rows together, 95 % stated: as for the difference." in said
+    assert "- *equality*: 94.0 % over all rows together, 95 % stated: same reason as for the difference." in said
     assert "over all rows" not in page(Validated(SMALL, {"comparisons": table.assign(share=0.95)}, found.seconds))
 
 

@@ -330,7 +330,11 @@ def test_interval_bias_detects_constant_answers():
 
 @pytest.mark.parametrize(
     ("targets", "responses", "words"),
-    [([], [], "at least one"), ([1], [3], "trial 0: found target 1 and response 3"), ([1, 2], [1], "as many of both")],
+    [
+        ([], [], "expected equal numbers, at least 1"),
+        ([1], [3], "trial 0: found target 1 and response 3"),
+        ([1, 2], [1], "found 2 targets and 1 responses, expected equal numbers"),
+    ],
 )
 def test_interval_bias_rejects_invalid_trials(targets, responses, words):
     with pytest.raises(InvalidParameter, match=words):

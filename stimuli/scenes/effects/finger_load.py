@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Final, Literal
+from typing import Literal
 
 from tactometry.arguments import require
 
@@ -12,6 +12,7 @@ from ...defaults import (
     AREA_AT_1N_M2,
     AREA_EXPONENT,
     FORCE_EXPONENT,
+    LUMPED,
     REFERENCE_FORCE_N,
     RESISTANCE_N_S_PER_M,
     SHEAR_VISCOSITY_PA_S,
@@ -20,7 +21,6 @@ from ..stages.circuit import at_voltage
 from ..stages.truncation import at_rest, check_on_plate, cut_of, farther, n_frequencies, n_modes, places_m
 
 CONTACT = "tactometry.stimuli.scenes.stages.contact"
-LUMPED: Final = "lumped"
 PLATE = "tactometry.stimuli.scenes.stages.plate"
 
 

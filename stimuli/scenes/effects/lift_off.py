@@ -9,6 +9,7 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
+from ...defaults import LUMPED
 from ..stages.truncation import at_rest, cut_of, n_frequencies, n_modes, places_m
 
 OPEN_CONTACT = "tactometry.stimuli.scenes.stages.contact"
@@ -51,8 +52,8 @@ class LiftOff(Effect):
     def _size(self, demand: Demand) -> Size:
         load: Any = demand.find("load")
         mass_kg = load.mass_kg
-        expected = "'lumped' beside lift_off: the impedance of tissue depends on frequency"
-        expect(load.impedance == "lumped", "FingerLoad.impedance", repr(load.impedance), expected)
+        expected = "'lumped' with lift_off: the impedance of tissue depends on frequency"
+        expect(load.impedance == LUMPED, "FingerLoad.impedance", repr(load.impedance), expected)
         expect(mass_kg == 0, "FingerLoad.mass_kg", mass_kg, "0 with lift_off, as no law of impact is available")
         x_m, y_m = zip(*places_m(demand), strict=True)
         forces_n = tuple(touch.force_n for touch in at_rest(demand))

@@ -47,6 +47,6 @@ class SigmaDelta(Quantity):
             raise LimitExceeded(
                 f"SigmaDelta(order={self.order}, scale={self.scale}): found a state of "
                 f"{stream.peak_state:.3g}, the limit is {stream.limit:.3g}: the modulator overloads; "
-                "lower scale (0.7 is stable for a sine up to a 20th of the rate), or raise the rate"
+                "lower scale (0.7 is stable for a sine up to a 20th of the rate), or raise the rate; nothing is emitted"
             )
         return stream.bits.astype(float)

@@ -350,10 +350,11 @@ def test_run_without_given_values_is_refused(tmp_path, capsys):
     said = json.loads(capsys.readouterr().out)
     assert said["units"] == {"peak_force_n": "N"}
     assert 0.02 < said["outputs"]["peak_force_n"] < 0.022
-    for outputs in ('["peak_force_n"]', '["t_s", "peak_force_n"]'):
+    remedies = {'["peak_force_n"]': "add them to outputs", '["t_s", "peak_force_n"]': "add it to outputs"}
+    for outputs, remedy in remedies.items():
         file.write_text(file.read_text(encoding="utf-8").replace('["peak_force_n"]', outputs), encoding="utf-8")
         assert status("scene", file, "--figure", tmp_path / "a.png") == 2
-        assert "add it to outputs" in capsys.readouterr().err
+        assert remedy in capsys.readouterr().err
     wave = file.read_text(encoding="utf-8").replace('"peak_force_n"]', '"electrostatic_force_n"]')
     file.write_text(wave, encoding="utf-8")
     assert status("scene", file, "--explain", "--figure", tmp_path / "a.png") == 0

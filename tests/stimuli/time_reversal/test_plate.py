@@ -157,7 +157,9 @@ def test_bending_stress_under_a_uniform_load_is_timoshenkos_0_0479():
 
 
 def test_static_load_on_a_free_plate_is_refused():
-    with pytest.raises(InvalidParameter, match=r"Plate.boundary: found 'FFFF', expected edges that hold"):
+    with pytest.raises(
+        InvalidParameter, match=r"Plate.boundary: found 'FFFF', expected edges that prevent rigid-body motion"
+    ):
         deflection_m(square(boundary="FFFF"), 1.0, (0.5, 0.5), 0.5, 0.5)
 
 
