@@ -1,9 +1,9 @@
-"""Builds and checks a release into dist/, and publishes nothing: `make release`.
+"""Build and check a release in dist/: `make release`. Nothing is published.
 
-The version stands in one place, `tactometry/__init__.py`, so that a clone without tags, an sdist and a copy without git
-build alike. A release is the commit whose tag says it: `v` and the version; without a tag the build is told to be none.
-Each step is told as done, FAILED or NOT DONE; one that is not done (a Python that is absent, an audit whose service is
-not reached) makes the status 1, unless it was excused by its option.
+The version is stated only in `tactometry/__init__.py`, so that a clone without tags, an sdist and a copy without git
+give the same build. A release is a commit with the tag `v` and the version; without this tag, the output says that
+the build is not a release. Each step prints done, FAILED or NOT DONE. A step that is not done (because a Python
+version is missing, or the audit service cannot be reached) makes the exit status 1, unless an option permits it.
 """
 
 import argparse
@@ -32,20 +32,20 @@ UNREACHED = ("ConnectionError", "Max retries", "ServiceError", "HTTPError", "tim
 
 
 class NotDone(Exception):  # noqa: N818
-    """A step that could not be tried here; the reason."""
+    """A step could not be tried; the message is the reason."""
 
 
 class Failed(Exception):  # noqa: N818
-    """A step that found something wrong."""
+    """A step found an error."""
 
 
 def run(*command: str | Path, cwd: Path = ROOT) -> str:
-    """What a program prints.
+    """Run a program, and return what it prints.
 
     Raises
     ------
     Failed
-        If it ends with another status than 0; its last lines.
+        If its exit status is not 0; the message is its last lines.
     """
     done = subprocess.run(
         [str(word) for word in command], cwd=cwd, env=CLEAN, capture_output=True, text=True, check=False
@@ -56,12 +56,12 @@ def run(*command: str | Path, cwd: Path = ROOT) -> str:
 
 
 def tool(name: str) -> Path:
-    """A program of the environment that runs this."""
+    """Return the path of a program in the current environment."""
     return Path(sys.executable).with_name(name)
 
 
 def version_of(root: Path) -> str:
-    """The version that the source states."""
+    """Return the version in the source."""
     tree = ast.parse((root / "tactometry" / "__init__.py").read_text(encoding="utf-8"))
     values = [node.value for node in tree.body if isinstance(node, ast.Assign) and _is_version(node.targets[0])]
     return str(ast.literal_eval(values[0]))
@@ -72,7 +72,7 @@ def _is_version(target: ast.expr) -> bool:
 
 
 def check_version(root: Path, tags: list[str], *, clean: bool) -> str:
-    """Whether source, tag of the commit and changelog say the same version; `clean`: nothing is uncommitted."""
+    """Check that source, tag and changelog have one version, and with `clean` that nothing is uncommitted."""
     version = version_of(root)
     if not tags:
         raise NotDone(f"this commit has no tag: a build of {version}, and no release; git tag v{version} makes it one")
@@ -95,7 +95,7 @@ def version() -> str:
 
 
 def build() -> str:
-    """The sdist, and the wheel from it: what an sdist lacks, a wheel lacks too."""
+    """Build the sdist, and the wheel from the sdist, so that a file missing there is noticed."""
     shutil.rmtree(DIST, ignore_errors=True)
     run(tool("python"), "-m", "build", "--outdir", DIST, ".")
     return ", ".join(f"{path.name} ({path.stat().st_size / 1e6:.1f} MB)" for path in sorted(DIST.iterdir()))
@@ -107,14 +107,14 @@ def metadata() -> str:
 
 
 def wanted(tracked: list[str]) -> set[str]:
-    """What the wheel is to hold of the files of the tree, by its names there."""
+    """Return the paths that the wheel should contain."""
     own = {name for name in tracked if name.split("/")[0] in ("tactometry", *WINGS) and "/" in name}
     links = {f"tactometry/{room}" for room in WINGS}
     return {name if name.startswith("tactometry/") else f"tactometry/{name}" for name in own - links}
 
 
 def contents() -> str:
-    """Whether the wheel holds the tree, no more and no less, and the sdist what builds it."""
+    """Check that the wheel contains exactly these files, and the sdist what builds it."""
     held = {name for name in zipfile.ZipFile(only("*.whl")).namelist() if ".dist-info/" not in name}
     differ = held ^ wanted(run("git", "ls-files").splitlines())
     if differ:
@@ -138,7 +138,7 @@ def licences() -> str:
 
 
 def python_of(minor: str) -> Path:
-    """A Python of this version that runs: of the path, of pyenv, or of uv."""
+    """Return a working Python of this version, from the path, pyenv or uv."""
     ours = os.environ.get("PYENV_ROOT", str(Path.home() / ".pyenv"))
     candidates = [shutil.which(f"python{minor}"), *sorted(Path(ours, "versions").glob(f"{minor}.*/bin/python"))]
     for candidate in filter(None, candidates):
@@ -150,7 +150,7 @@ def python_of(minor: str) -> Path:
 
 
 def install(minor: str) -> str:
-    """The wheel in an empty environment, with packages checked by hash, and a session with its analysis in it."""
+    """Install the wheel in an empty environment with hashed packages, and run a session and its analysis."""
     with TemporaryDirectory() as folder:
         place = Path(folder)
         run(python_of(minor), "-m", "venv", place / "v")
@@ -168,7 +168,7 @@ def install(minor: str) -> str:
 
 
 def bill_of_materials(python: Path) -> None:
-    """CycloneDX, of the environment in which the wheel was installed."""
+    """Write the CycloneDX list of materials of the environment with the wheel."""
     cyclonedx = (tool("cyclonedx-py"), "environment", "--pyproject", ROOT / "pyproject.toml", "--output-reproducible")
     path = DIST / "tactometry.cdx.json"
     run(*cyclonedx, "--output-file", path, python)
@@ -177,13 +177,13 @@ def bill_of_materials(python: Path) -> None:
 
 
 def with_version(bill: dict[str, Any], version: str) -> dict[str, Any]:
-    """A list of materials whose product has a version, which its tool reads from pyproject.toml alone."""
+    """Add the version, which the tool only reads from pyproject.toml, to a list of materials."""
     metadata = bill["metadata"]
     return {**bill, "metadata": {**metadata, "component": {**metadata["component"], "version": version}}}
 
 
 def materials() -> str:
-    """Whether the list was written, as the wheel was installed."""
+    """Write the list of materials if the wheel was installed."""
     path = DIST / "tactometry.cdx.json"
     if not path.exists():
         raise NotDone(f"the wheel was not installed on {PYTHONS[0]}")
@@ -197,7 +197,7 @@ def resolves() -> str:
 
 
 def audit() -> str:
-    """Known holes in the packages of the constraints; a package that the service does not know was not audited."""
+    """Report known vulnerabilities of the pinned packages, and packages unknown to the service."""
     plain = ("--progress-spinner", "off", "--disable-pip", "--no-deps", "--format", "json")
     try:
         told = json.loads(run(tool("pip-audit"), *plain, "-r", ROOT / "constraints.txt"))

@@ -1,4 +1,4 @@
-"""The site: `make docs` builds it into docs/_build/html, without a network."""
+"""Configuration of the site; `make docs` builds it in docs/_build/html without a network."""
 
 import sys
 from pathlib import Path
@@ -21,7 +21,7 @@ extensions = [
 ]
 exclude_patterns = ["_build", "_extensions", ".validated"]
 nitpicky = True
-# Raises makes a link of each name, and no page has these errors.
+# The section Raises links each name, and these errors have no page.
 ERRORS = ("DeviceFailed", "InvalidFile", "InvalidParameter", "LimitExceeded")
 nitpick_ignore = [("py:exc", name) for name in ERRORS]
 
@@ -34,7 +34,7 @@ napoleon_use_param = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
 
-# notebooks hold what they show: `make notebooks` writes it, and the tests compare
+# Notebooks contain their output: `make notebooks` writes it, and tests compare it.
 nb_execution_mode = "off"
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]

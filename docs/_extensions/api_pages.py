@@ -1,4 +1,4 @@
-"""The pages of Python names are made by autodoc from docstrings; with the tag `quick` they are left empty."""
+"""Write the API pages from docstrings with autodoc. With the tag `quick` they stay empty."""
 
 import re
 from typing import Any
@@ -17,7 +17,7 @@ def read(app: Sphinx, page: str, source: list[str]) -> None:
 
 
 def before(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
-    """An example below a section gets a heading of its own."""
+    """Insert a heading before an example that follows a section."""
     del app, thing, options
     if what in OF_VALUES:
         AS_WRITTEN[name] = list(lines)
@@ -28,14 +28,14 @@ def before(app: Sphinx, what: str, name: str, thing: object, options: object, li
 
 
 def behind(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
-    """What stands before a colon in the line of a property is no type, as napoleon takes it to be."""
+    """Undo a wrong type of a property: napoleon takes the text before a colon for a type."""
     del app, thing, options
     if what in OF_VALUES:
         lines[:] = AS_WRITTEN.pop(name, lines)
 
 
 def unresolved(app: Sphinx, domain: Domain | None, node: nodes.Element) -> bool | None:
-    """Without docstrings no name of Python is known, so that a link to one is no error."""
+    """Ignore unresolved links to Python names if no docstrings were read."""
     del node
     return True if app.tags.has("quick") and domain is not None and domain.name == "py" else None
 

@@ -1,4 +1,4 @@
-"""CONTRIBUTING.md and others stand where a clone is looked at, beside `docs/`, and are pages of the site too."""
+"""Include files of the repository's root, such as CONTRIBUTING.md, as pages of the site."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ PAGES = {
 
 
 def _of_the_root(text: str) -> str:
-    """With links as they are in the folder of the site."""
+    """Return the text with links relative to the folder of the site."""
     text = text.replace("](docs/", "](")
     for page, file in PAGES.items():
         text = text.replace(f"]({file}", f"]({page}.md")
@@ -23,7 +23,7 @@ def _of_the_root(text: str) -> str:
 
 
 def _of_the_site(text: str) -> str:
-    """With links to files of the root turned to their pages."""
+    """Return the text with links to root files replaced by links to their pages."""
     for page, file in PAGES.items():
         text = text.replace(f"](../../{file}", f"](../{page}.md").replace(f"](../../../{file}", f"](../../{page}.md")
     return text
