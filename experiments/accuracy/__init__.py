@@ -17,6 +17,7 @@ PROBLEMS: Mapping[str, str] = {
     "plate-modes-free": f"{_HERE}.plates:free",
     "boundary-basis": f"{_HERE}.plates:mixed_edges",
     "field-grid": f"{_HERE}.plates:field_grid",
+    "pulp-impedance": f"{_HERE}.plates:pulp_impedance",
     "time-integration": f"{_HERE}.plate_motion:time_integration",
     "finger-load": f"{_HERE}.plate_motion:finger_load",
     "lift-off": f"{_HERE}.plate_motion:lift_off",

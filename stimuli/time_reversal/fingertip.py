@@ -1,4 +1,4 @@
-"""A fingertip at rest on the screen: what it answers the plate with."""
+"""Mechanical load of a fingertip that rests on the screen."""
 
 from dataclasses import dataclass
 from math import pi, sqrt
@@ -33,7 +33,7 @@ class Fingertip:
     Parameters
     ----------
     impedance : {"lumped", "tissue"}
-        Damper, mass and spring, calibrated; or soft tissue under a disc of the contact's area (`PulpLoad`), published.
+        Damper, mass and spring, calibrated; or soft tissue under a disc with the contact area (`PulpLoad`).
     resistance_n_s_per_m : float
         Mechanical resistance (damper) at 2 N, at least 0.
     mass_kg : float
@@ -65,7 +65,7 @@ class Fingertip:
         at_most("Fingertip.area_exponent", self.area_exponent, 2.0)
 
     def load(self, at_m: tuple[float, float], force_n: NotNegative = REFERENCE_FORCE_N) -> "PlateLoad":
-        """Return the lumped load on the plate at a place under a force; none at 0 N.
+        """Return the lumped load on the plate at a place and a force; it is zero at 0 N.
 
         >>> Fingertip().load((0.1, 0.1), 0.5).resistance_n_s_per_m
         5.0
@@ -80,7 +80,7 @@ class Fingertip:
         return PlateLoad(*at_m, *(growth * part for part in at_2_n))
 
     def contact(self, at_m: tuple[float, float], force_n: NotNegative) -> "PlateLoad | PulpLoad":
-        """Return the load of either impedance; none at 0 N.
+        """Return the load of either kind of impedance; it is zero at 0 N.
 
         >>> round(1e3 * Fingertip(impedance="tissue").contact((0.1, 0.1), 1.0).radius_m, 2)
         5.64

@@ -1,13 +1,13 @@
 """Normal impedance of the finger pulp: a rigid disc on a viscoelastic half-space.
 
-The plate moves the contact, a disc of radius a, by u; around it the surface is free, and nothing rubs. A pressure of
-wavenumber x / a moves the surface by the compliance of a half-space (Lamb 1904; Miller and Pursey 1954)
+The plate moves the contact, a disc of radius a, by u. The surface around it is free, and there is no friction. A
+pressure of wavenumber x / a moves the surface by the compliance of a half-space (Lamb 1904; Miller and Pursey 1954)
 
     g(x) = a alpha / (G (q^2 + 4 x^2 (1 - e) beta / (alpha + beta))),
     alpha^2 = x^2 + p^2, beta^2 = x^2 + q^2, p = s a / c_p, q = s a / c_s, e = (p / q)^2.
 
 The pressure is a sum of P_2n(v) / v, v^2 = 1 - r^2 / a^2, whose transforms are the spherical Bessel functions j_2n(x):
-the first alone is the static solution. Galerkin's equations, symmetric as the half-space is, give the force. Limits:
+the first is the static solution. The symmetric equations of Galerkin's method give the force. Limits:
 the stiffness 4 G a / (1 - nu) at low frequency (8 G a without compression, as the viscous 8 eta a s), the mass
 4/3 rho a^3 of a disc in a liquid where shear is weak and sound longer than the disc, and the resistance rho c pi a^2 of
 plane waves of compression at high frequency.
@@ -16,9 +16,10 @@ plane waves of compression at high frequency.
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import cos, pi, sin
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
+from annotated_types import Ge, Interval
 from numpy.polynomial.chebyshev import chebinterpolate, chebval
 from numpy.polynomial.legendre import leggauss
 
@@ -38,15 +39,15 @@ NODES: Final = 8
 PANEL: Final = 3.0
 """Nodes of Gauss's rule for each panel of the path, and the longest panel."""
 RISE: Final = 0.5
-"""Height of the path of integration above the real axis, on and below which the waves are."""
+"""Height of the integration path above the real axis; the poles of the waves are on and below that axis."""
 SHORTEST_PATH, SHEAR_WAVES = 64.0, 3.0
-"""End of the path, at least, and in wavenumbers of shear waves; from there on the static compliance holds."""
+"""Smallest end of the path, and its end in wavenumbers of shear waves; beyond it the static compliance holds."""
 MOST_SHEAR: Final = 4096.0
 """Radii of the disc in wavenumbers of shear waves that the pressures resolve."""
 DEGREE, SLOW_RAD_PER_S = 48, 600.0
-"""Of the polynomial in the logarithm of the frequency that stands for many frequencies, and its offset."""
+"""Degree of the polynomial in log frequency that replaces many frequencies, and the offset of the frequency."""
 RINGS: Final = ((1 - 3**-0.5) / 2) ** 0.5, ((1 + 3**-0.5) / 2) ** 0.5
-"""Radii of six places each, whose mean is that over a disc of radius 1."""
+"""Radii of two rings of six places; the mean over these places is the mean over a disc of radius 1."""
 
 
 @checked
@@ -83,9 +84,9 @@ class Tissue:
 @checked
 @dataclass(frozen=True)
 class PulpLoad:
-    """A finger pulp on the plate that answers the mean motion over a disc.
+    """A finger pulp that follows the mean motion of the plate over a disc.
 
-    The plate may bend under the disc, to which the pulp does not answer; ridges, bone and nail are left out.
+    It does not follow the bending of the plate under the disc. Ridges, bone and nail are not modelled.
 
     Parameters
     ----------
@@ -102,7 +103,7 @@ class PulpLoad:
     tissue: Tissue = field(default_factory=Tissue)
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
-        """(n_modes,): the means of the shapes over the disc."""
+        """Return the mean of each mode shape over the disc, (n_modes,)."""
         self.check(screen.plate, "PulpLoad")
         return self.modal_force(screen.modes(f_max_hz))
 
@@ -111,12 +112,12 @@ class PulpLoad:
         return np.asarray(values(modes, *np.transpose(self.points)).mean(axis=1))
 
     def check(self, plate: Plate, name: str) -> None:
-        """Refuse a disc that is not all on the plate."""
+        """Raise an error if part of the disc is not on the plate."""
         for point in self.points:
             plate.check_holds(name, point)
 
     def spread(self, s: ComplexArray, plate: Plate) -> FloatArray:
-        """Return the mean over the disc of waves of 1 at its centre, (n,)."""
+        """Return the mean over the disc of waves with amplitude 1 at its centre, (n,)."""
         from scipy.special import j0
 
         turned = self.radius_m * np.sqrt(np.abs(s.imag) / plate.wave_constant_m2_per_s)
@@ -124,7 +125,7 @@ class PulpLoad:
 
     @property
     def points(self) -> tuple[Point, ...]:
-        """Places whose mean is that over the disc."""
+        """Return the places whose mean is the mean over the disc."""
         turns = [(self.radius_m * RINGS[n % 2], n * pi / 6) for n in range(12)]
         return tuple((self.x_m + far_m * cos(turn), self.y_m + far_m * sin(turn)) for far_m, turn in turns)
 
@@ -145,13 +146,24 @@ class PulpLoad:
 
 
 @checked
-def disc_stiffness(s: ComplexArray, radius_m: Positive, tissue: Tissue) -> ComplexArray:
+def disc_stiffness(
+    s: ComplexArray,
+    radius_m: Positive,
+    tissue: Tissue,
+    *,
+    n_pressures: Annotated[int, Ge(1)] = N_PRESSURES,
+    path: Annotated[float, Interval(ge=1, le=1024)] = 1.0,
+) -> ComplexArray:
     """Return force per displacement of the disc at complex s, (n,).
 
     Parameters
     ----------
     s : (n,) array
         In the right half-plane or on its border, with an imaginary part of at least 0 (rad/s).
+    n_pressures : int
+        Number of pressure functions. `tactometry cost pulp-impedance` shows error and time.
+    path : float
+        Factor of the length of the integration path, from 1 to 1024. The error falls with its square.
 
     >>> soft = Tissue(shear_modulus_pa=1e4)
     >>> disc_stiffness(np.array([1e-3j]), 6e-3, soft).real.round(1).tolist()
@@ -162,39 +174,39 @@ def disc_stiffness(s: ComplexArray, radius_m: Positive, tissue: Tissue) -> Compl
     with np.errstate(all="ignore"):  # NaN and infinity are rejected as too short a wave
         p = (s * radius_m / tissue.sound_speed_m_per_s) ** 2  # squares of the p and q above
         q = np.where(s == 0, 0.0, p / e)
-    ends = _ends(np.sqrt(np.abs(q)))
+    ends = _ends(np.sqrt(np.abs(q)), path)
     total = np.empty(len(s), complex)
     for end in np.unique(ends).tolist():
         part = ends == end
-        total[part] = _total(p[part], q[part], e[part], end)
+        total[part] = _total(p[part], q[part], e[part], _bessel(end, n_pressures), *_path(end))
     return np.asarray(2 * pi * radius_m * shear * total)
 
 
-def _total(p: ComplexArray, q: ComplexArray, e: ComplexArray, end: float) -> ComplexArray:
+def _total(
+    p: ComplexArray, q: ComplexArray, e: ComplexArray, bessel: ComplexArray, x: ComplexArray, step: ComplexArray
+) -> ComplexArray:
     """Return the weight of the first pressure where the surface moves by 1."""
-    x, step = _path(end)
     squares = x[:, None] ** 2
     alpha, beta = np.sqrt(squares + p), np.sqrt(squares + q)
     compliance = alpha / (q + 4 * squares * (1 - e) * beta / (alpha + beta))
     beyond_static = compliance - 1 / (2 * x[:, None] * (1 - e))
 
-    i, j = np.triu_indices(N_PRESSURES)
-    bessel = _bessel(end)
+    n = np.arange(len(bessel))
+    i, j = np.triu_indices(len(n))
     pairs = (bessel[i] * bessel[j] * (x * step)) @ beyond_static
-    n = np.arange(N_PRESSURES)
-    system = np.empty((len(p), N_PRESSURES, N_PRESSURES), complex)
+    system = np.empty((len(p), len(n), len(n)), complex)
     system[:, i, j] = system[:, j, i] = pairs.T
     system[:, n, n] += pi / (2 * (4 * n + 1)) / (2 * (1 - e))[:, None]  # of the static part, exact
-    moved_by_one = np.broadcast_to(np.eye(N_PRESSURES)[:, :1], (len(p), N_PRESSURES, 1))
+    moved_by_one = np.broadcast_to(np.eye(len(n))[:, :1], (len(p), len(n), 1))
     return np.asarray(np.linalg.solve(system, moved_by_one)[:, 0, 0])
 
 
-def _ends(shear_waves: FloatArray) -> FloatArray:
-    """Return ends of the path, powers of two, from which on the static compliance holds."""
+def _ends(shear_waves: FloatArray, path: float) -> FloatArray:
+    """Return the ends of the path, powers of two; beyond them the static compliance holds."""
     most = float(shear_waves.max(initial=0.0))
     expected = f"at most {MOST_SHEAR:g} radii in shear waves; raise the shear viscosity or lower the frequency"
     expect(most <= MOST_SHEAR, "disc_stiffness: s, radius_m", f"{most:.3g}", expected)
-    return np.asarray(2 ** np.ceil(np.log2(np.maximum(SHEAR_WAVES * shear_waves, SHORTEST_PATH))))
+    return np.asarray(2 ** np.ceil(np.log2(path * np.maximum(SHEAR_WAVES * shear_waves, SHORTEST_PATH))))
 
 
 @lru_cache(maxsize=16)
@@ -209,8 +221,8 @@ def _path(end: float) -> tuple[ComplexArray, ComplexArray]:
 
 
 @lru_cache(maxsize=16)
-def _bessel(end: float) -> ComplexArray:
-    """(N_PRESSURES, n_nodes): the spherical Bessel functions of even order."""
+def _bessel(end: float, n_pressures: int) -> ComplexArray:
+    """Return the spherical Bessel functions of even order, (n_pressures, n_nodes)."""
     from scipy.special import spherical_jn
 
-    return np.stack([spherical_jn(2 * n, _path(end)[0]) for n in range(N_PRESSURES)])
+    return np.stack([spherical_jn(2 * n, _path(end)[0]) for n in range(n_pressures)])

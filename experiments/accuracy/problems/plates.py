@@ -1,4 +1,4 @@
-"""Accuracy problems of plates: natural frequencies and fields."""
+"""Accuracy problems of plates and their load: natural frequencies, fields, and the impedance of a pulp."""
 
 import math
 from collections.abc import Iterator
@@ -10,6 +10,7 @@ from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import Modes, modes_of
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
 from tactometry.stimuli.time_reversal.plate.ritz import solve
+from tactometry.stimuli.time_reversal.pulp import N_PRESSURES, PulpLoad, Tissue, disc_stiffness
 
 from ..problem import Problem, Real, Reference, Setting
 
@@ -24,6 +25,8 @@ FEWER = (19, 17, 15, 13, 11, 9)
 N_SCANNED = 400
 FIELD_TO_HZ, POINTS_PER_M, N_POINTS = 20e3, (200, 400, 800, 1600, 3200), 4000
 GOLDEN = 0.6180339887498949
+PULP, PULP_HZ = PulpLoad(0.1, 0.1, 6e-3, Tissue()), np.geomspace(1e3, 6e4, 200)
+PRESSURES_AND_PATHS, FINEST_PULP = ((1, 1), (2, 1), (4, 1), (N_PRESSURES, 1), (N_PRESSURES, 8), (10, 32)), (20, 128)
 
 
 def square(boundary: str) -> Plate:
@@ -169,3 +172,25 @@ def _sines(amplitude: Real, points: tuple[Real, Real]) -> Real:
     along = np.sin(np.pi * np.outer(m.ravel()[order], points[0] / A4_SCREEN.length_m))
     across = np.sin(np.pi * np.outer(n.ravel()[order], points[1] / A4_SCREEN.width_m))
     return np.asarray(amplitude @ (2 * along * across))
+
+
+def pulp_impedance() -> Problem:
+    """Compare the impedance of a pulp with that from more pressure functions and a longer path."""
+    settings = [
+        Setting(f"{n} pressures, path x {path}", partial(_pulp_stiffness, n, path)) for n, path in PRESSURES_AND_PATHS
+    ]
+    interpolated = Setting(
+        f"{N_PRESSURES} pressures, path x 1, polynomial over frequency (default)",
+        lambda: PULP.dynamic_stiffness(2j * np.pi * PULP_HZ),
+    )
+    return Problem(
+        f"largest relative error of the impedance from 1 to 60 kHz, disc with a radius of {PULP.radius_m * 1e3:g} mm",
+        reference=Reference("20 pressures, path x 128", partial(_pulp_stiffness, *FINEST_PULP), 1e-7),
+        error=lambda stiffness, reference: float(np.abs(stiffness / reference - 1).max()),
+        settings=(*settings, interpolated),
+    )
+
+
+def _pulp_stiffness(n_pressures: int, path: float) -> Real:
+    s = 2j * np.pi * PULP_HZ
+    return disc_stiffness(s, PULP.radius_m, PULP.tissue, n_pressures=n_pressures, path=path)
