@@ -179,15 +179,12 @@ def pulp_impedance() -> Problem:
     settings = [
         Setting(f"{n} pressures, path x {path}", partial(_pulp_stiffness, n, path)) for n, path in PRESSURES_AND_PATHS
     ]
-    interpolated = Setting(
-        f"{N_PRESSURES} pressures, path x 1, polynomial over frequency (default)",
-        lambda: PULP.dynamic_stiffness(2j * np.pi * PULP_HZ),
-    )
+    default = Setting(f"{N_PRESSURES}, polynomial (default)", lambda: PULP.dynamic_stiffness(2j * np.pi * PULP_HZ))
     return Problem(
         f"largest relative error of the impedance from 1 to 60 kHz, disc with a radius of {PULP.radius_m * 1e3:g} mm",
         reference=Reference("20 pressures, path x 128", partial(_pulp_stiffness, *FINEST_PULP), 1e-7),
         error=lambda stiffness, reference: float(np.abs(stiffness / reference - 1).max()),
-        settings=(*settings, interpolated),
+        settings=(*settings[:3], default, *settings[3:]),
     )
 
 
