@@ -2,7 +2,6 @@
 
 import io
 import json
-import os
 import re
 import signal
 import subprocess
@@ -12,29 +11,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import call, output, status
+from command_line import call, output, refused, status
 from places import ROOT
+from tables import contents, trial_rows
 
-from tactometry.cli import COMMANDS, simulate as simulations
-
-
-def files(root):
-    return {
-        str(path.relative_to(root)): path.read_bytes()
-        for path in sorted(root.rglob("*"))
-        if path.is_file() and "report" not in str(path.relative_to(root))
-    }
-
+from tactometry.cli import COMMANDS, GROUPS, simulate as simulations
+from tactometry.experiments.study.study_file import load
 
 SIMULATED = ("simulate", "tutorial", "--participants", "4", "--seed", "5")
 
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
-    """Return the files of a study that one process simulated."""
     root = tmp_path_factory.mktemp("alone")
     assert status(*SIMULATED, "--out", root / "d") == 0
-    return files(root / "d")
+    return contents(root / "d")
 
 
 PARTS = {"calibrate": ("gain", "force", "display", "responses")}
@@ -45,11 +36,6 @@ def test_every_command_has_help_with_an_example(capsys, command):
     assert f"Example: tactometry {command}" in output(capsys, command, "--help")
     for words in ([command, part] for part in PARTS[command]) if command in PARTS else [[command]]:
         assert "--json" in output(capsys, *words, "--help")
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_help_lists_each_command_with_summary(capsys, command):
-    assert re.search(rf"^  {command} +\w", output(capsys, "--help"), re.MULTILINE)
 
 
 @pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP"])
@@ -64,10 +50,6 @@ def test_session_closes_on_termination_signals(capsys, number):
     finally:
         signal.signal(ending, usual)
     assert ended.value.code == 128 + ending
-
-
-def test_studies_are_listed(capsys):
-    assert set(json.loads(output(capsys, "studies", "--json"))) >= {"electrovibration-threshold", "tutorial"}
 
 
 def test_a_copied_study_runs(tmp_path, capsys, monkeypatch):
@@ -104,16 +86,15 @@ def test_results_come_as_json(tmp_path, capsys, monkeypatch, arguments):
 def test_validate_replay_and_analyse_give_json(tmp_path, capsys):
     output(capsys, "simulate", "tutorial", "--participants", 2, "--seed", 1, "--out", tmp_path / "d")
     assert json.loads(output(capsys, "validate", tmp_path / "d", "--json"))["defects"] == []
-    assert [session["complete"] for session in json.loads(output(capsys, "replay", tmp_path / "d", "--json"))] == [
-        True
-    ] * 2
+    sessions = json.loads(output(capsys, "replay", tmp_path / "d", "--json"))
+    assert [session["complete"] for session in sessions] == [True, True]
     assert json.loads(output(capsys, "analyse", tmp_path / "d", "--json"))
 
 
 @pytest.mark.parametrize("options", [["--jobs", "2"], ["--jobs", "-1"]])
 def test_processes_change_no_byte(tmp_path, alone, options):
     assert status(*SIMULATED, "--out", tmp_path, *options) == 0
-    assert files(tmp_path) == alone
+    assert contents(tmp_path) == alone
 
 
 def test_a_cluster_changes_no_byte(tmp_path, alone):
@@ -129,7 +110,7 @@ def test_a_cluster_changes_no_byte(tmp_path, alone):
     words = [sys.executable, tmp_path / "cluster.py", *SIMULATED, "--out", tmp_path / "d"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert files(tmp_path / "d") == alone
+    assert contents(tmp_path / "d") == alone
 
 
 def test_silent_scheduler_is_a_failed_device(tmp_path, capsys):
@@ -162,9 +143,7 @@ def test_interrupted_simulation_leaves_complete_files_and_resumes(tmp_path, caps
     words = ["simulate", "electrovibration-threshold", "--participants", "2", "--seed", "5"]
     output(capsys, *words, "--out", whole)
     child = subprocess.Popen(
-        [sys.executable, "-m", "tactometry", *words, "--out", stopped],
-        stderr=subprocess.PIPE,
-        text=True,
+        [sys.executable, "-m", "tactometry", *words, "--out", stopped], stderr=subprocess.PIPE, text=True
     )
     while not list(stopped.glob("data/*.csv")):
         assert child.poll() is None
@@ -176,8 +155,8 @@ def test_interrupted_simulation_leaves_complete_files_and_resumes(tmp_path, caps
         "tactometry: interrupted; recorded data are safe: continue with --resume",
     )
     output(capsys, *words, "--out", stopped, "--resume")
-    kept = {name: content for name, content in files(stopped).items() if "_interruptions" not in name}
-    assert kept == files(whole)
+    kept = {path: content for path, content in contents(stopped).items() if "_interruptions" not in path.name}
+    assert kept == contents(whole)
 
 
 def test_sine_variant_reports_censored_cells_as_bounds(tmp_path, capsys, monkeypatch):
@@ -198,7 +177,6 @@ def test_sine_variant_reports_censored_cells_as_bounds(tmp_path, capsys, monkeyp
     [("tutorial", 4), pytest.param(simulations.DEMO_STUDY, simulations.N_PARTICIPANTS, marks=pytest.mark.slow)],
 )
 def test_demo_runs_from_simulation_to_report(tmp_path, capsys, monkeypatch, study, n_participants):
-    """The demo runs with its own study and with a short one."""
     is_long = study == simulations.DEMO_STUDY
     monkeypatch.setattr(simulations, "DEMO_STUDY", study)
     monkeypatch.setattr(simulations, "N_PARTICIPANTS", n_participants)
@@ -210,14 +188,10 @@ def test_demo_runs_from_simulation_to_report(tmp_path, capsys, monkeypatch, stud
         drawn = points(tmp_path / "demo" / "report.html")
         shown = points(ROOT / "docs" / "readme" / "light.svg")
         assert len(shown) > 200
-        assert np.abs(shown[:, None] - drawn).max(axis=2).min(axis=1).max() < HALF_A_POINT
-
-
-HALF_A_POINT = 0.5
+        assert np.abs(shown[:, None] - drawn).max(axis=2).min(axis=1).max() < 0.5  # of a point
 
 
 def points(drawing):
-    """Return the marker positions of a drawing, (marker, 2)."""
     found = re.findall(r'<use [^>]*x="([\d.]+)" y="([\d.]+)"', drawing.read_text("utf-8"))
     return np.array(found, dtype=float)
 
@@ -226,12 +200,6 @@ def test_readme_figure_is_equal_in_light_and_dark():
     light, dark = (ROOT / "docs" / "readme" / name for name in ("light.svg", "dark.svg"))
     np.testing.assert_array_equal(points(light), points(dark))
     assert "#ffffff" not in dark.read_text("utf-8")
-
-
-def test_the_command_is_on_the_path(tmp_path):
-    environment = os.environ | {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
-    done = subprocess.run(["tactometry", "studies"], cwd=tmp_path, env=environment, capture_output=True, check=False)
-    assert (done.returncode, b"tutorial" in done.stdout) == (0, True)
 
 
 @pytest.mark.slow
@@ -243,3 +211,51 @@ def test_reused_processes_write_into_current_folder(tmp_path, monkeypatch):
         monkeypatch.chdir(folder)
         assert status("simulate", "tutorial", "--participants", "2", "--seed", "1", "--jobs", "2", "--out", "d") == 0
         assert len(list((folder / "d" / "data").glob("*_data.csv"))) == 2
+
+
+# --- first use
+
+POWER = ("power", "tutorial", "--effect", "frequency_hz: 6 dB", "--participants", "4", "--most", "2")
+PEOPLE = ("simulate", "tutorial", "--participants", "1")
+PERSON = ("run", "tutorial", "--participant", "P01", "--rig", "simulated")
+
+
+def test_help_lists_each_command_in_one_group(capsys) -> None:
+    assert sorted(name for names in GROUPS.values() for name in names) == sorted(COMMANDS)
+    said = output(capsys, "--help")
+    headings = [said.index(f"{heading}:\n") for heading in GROUPS]
+    assert headings == sorted(headings)
+    assert all(re.search(rf"^  {command} +\w", said, re.MULTILINE) for command in COMMANDS)
+
+
+def test_new_writes_to_standard_output(tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert output(capsys, "new", "tutorial", "--out", "-").encode() == load("tutorial")[1]
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", [PEOPLE, PERSON])
+def test_drawn_seed_is_printed_and_repeats_the_data(tmp_path, capsys, command) -> None:
+    _, said, _ = call(capsys, *command, "--out", tmp_path / "a")
+    seed = re.search(r"seed: (\d+) ", said)[1]
+    output(capsys, *command, "--out", tmp_path / "b", "--seed", seed)
+    tables = [trial_rows(tmp_path / name) for name in ("a", "b")]
+    assert tables[0] == tables[1]
+
+
+def test_power_needs_no_seed(capsys) -> None:
+    code, said, text = call(capsys, *POWER)
+    assert code == 0
+    seed = re.search(r"seed: (\d+) ", said)[1]
+    assert f"seed {seed}" in text
+
+
+def test_resume_of_drawn_seed_names_the_option(tmp_path, capsys) -> None:
+    said = refused(capsys, *PEOPLE, "--out", tmp_path / "d", "--resume")
+    assert "--seed: found none, expected the seed that the interrupted run printed" in said
+
+
+def test_resume_reports_when_there_is_nothing_to_resume(tmp_path, capsys) -> None:
+    code, said, _ = call(capsys, *PERSON, "--out", tmp_path / "d", "--resume")
+    assert code == 0
+    assert f"--resume: {tmp_path / 'd'} contains no session 1 of P01 to resume; it begins now" in said

@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from core_only import Missing, core_requirements, needed
+from places import RECORDED, ROOT
 from scipy.signal.windows import blackmanharris
 
 from tactometry.stimuli.electrovibration.skin.stack import _zero
 from tactometry.stimuli.perception.detection import blackman_harris
 
-RECORDED = str(Path(__file__).parents[1] / "recorded" / "electrovibration-threshold")
-ONE_PARTICIPANT = str(Path(__file__).parents[1] / "recorded" / "forced-choice")
+THRESHOLDS, ONE_PARTICIPANT = str(RECORDED / "electrovibration-threshold"), str(RECORDED / "forced-choice")
 SESSION = ("run", "tutorial", "--participant", "P01", "--rig", "simulated", "--out", "made")
 DRY_RUN = ("run", "electrovibration-threshold", "--participant", "P01", "--dry-run")
 SIMULATE = ("simulate", "tutorial", "--participants", "1", "--seed", "1", "--out", "made")
@@ -29,29 +29,29 @@ LOADS = {
     ("--help",): {"click"},
     ("calibrate", "--help"): STUDY,
     ("studies",): STUDY,
+    ("keys", "touch.slide"): STUDY | {"rich"},
     ("scene", "electrovibration-panel"): STUDY,
     ("scene", "a4-screen"): STUDY,
-    ("validate", RECORDED): STUDY,
-    ("replay", RECORDED): RECORDS,
+    ("validate", THRESHOLDS): STUDY,
+    ("replay", THRESHOLDS): RECORDS,
     SESSION: RECORDS,
     SIMULATE: RECORDS,
     DRY_RUN: RECORDS | {"numba", "llvmlite", "scipy"},
-    ("analyse", RECORDED): TERMINAL,
+    ("analyse", THRESHOLDS): TERMINAL,
     ("analyse", ONE_PARTICIPANT): TERMINAL,
 }
 """All distributions that a command loads."""
 NEVER = {
     DRY_RUN: {"scipy.signal", "scipy.optimize", "scipy.stats", "scipy.special"},
-    ("analyse", RECORDED): {"scipy.stats"},
+    ("analyse", THRESHOLDS): {"scipy.stats"},
     ("analyse", ONE_PARTICIPANT): {"scipy.interpolate", "scipy.optimize", "scipy.stats"},
 }
 DRAWING = {"matplotlib", "cycler", "fonttools", "kiwisolver", "packaging", "pillow", "pyparsing"}
 REPORT = TERMINAL | DRAWING
-CORE_ONLY = Path(__file__).parents[1] / "support" / "core_only.py"
+CORE_ONLY = ROOT / "tests" / "support" / "core_only.py"
 
 
 def loaded(command: tuple[str, ...], folder: Path) -> tuple[set[str], set[str]]:
-    """Return distributions and modules that a command loads with the core."""
     asked = [sys.executable, CORE_ONLY, json.dumps(command)]
     done = subprocess.run(asked, capture_output=True, text=True, check=False, cwd=folder)
     assert done.returncode == 0, done.stderr[-2000:]
@@ -61,8 +61,7 @@ def loaded(command: tuple[str, ...], folder: Path) -> tuple[set[str], set[str]]:
 
 
 @pytest.mark.parametrize(
-    ("module", "library"),
-    [("tactometry.cli.power", "matplotlib"), ("tactometry.experiments.watch.server", "pandas")],
+    ("module", "library"), [("tactometry.cli.power", "matplotlib"), ("tactometry.experiments.watch.server", "pandas")]
 )
 def test_module_starts_without_a_slow_library(module: str, library: str) -> None:
     ask = f"import sys, {module}; sys.exit({library!r} in sys.modules)"
@@ -79,9 +78,9 @@ def test_command_loads_only_expected_core_distributions(command: tuple[str, ...]
 @pytest.mark.slow
 def test_report_of_core_equals_that_with_extras(tmp_path: Path) -> None:
     """pandas stores texts differently if pyarrow is installed."""
-    distributions, _ = loaded(("analyse", RECORDED, "--report", "core.html"), tmp_path)
+    distributions, _ = loaded(("analyse", THRESHOLDS, "--report", "core.html"), tmp_path)
     assert distributions == REPORT
-    analyse = [sys.executable, "-m", "tactometry", "analyse", RECORDED, "--report", "all.html"]
+    analyse = [sys.executable, "-m", "tactometry", "analyse", THRESHOLDS, "--report", "all.html"]
     subprocess.run(analyse, capture_output=True, check=True, cwd=tmp_path)
     tables = {path.name: path.read_bytes() for path in (tmp_path / "core_tables").iterdir()}
     assert len(tables) > 5

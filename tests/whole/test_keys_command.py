@@ -1,16 +1,17 @@
-"""The command `tactometry keys`, and errors that refer to it."""
+"""The command `tactometry keys`, errors that refer to it, and the page of commands."""
 
 import json
-import subprocess
-import sys
 import tomllib
 
+import click
 import pytest
 from command_line import call, output, refused
 
+from tactometry.cli import COMMANDS, reference, tactometry
 from tactometry.experiments.reference.keys import keys_of
 from tactometry.experiments.reference.tables import tables
 
+PAGE = reference.PAGE.read_text(encoding="utf-8")
 NAMES = ("procedure.staircase", "stimulus.focus", "touch.slide", "bench.output", "map", "scene.contacts", "study")
 
 
@@ -26,23 +27,10 @@ def test_keys_lists_each_key_within_80_columns(name, capsys, monkeypatch):
 def test_keys_prints_the_same_as_json(capsys):
     [table] = json.loads(output(capsys, "keys", "touch.press", "--json"))
     assert (table["name"], table["table"]) == ("touch.press", "[touch]")
-    assert table["keys"][1] == {
-        "name": "force_n",
-        "holds": "a number",
-        "unit": "N",
-        "within": "above 0",
-        "otherwise": "",
-        "means": "Force that the participant is asked to apply.",
-        "example": "1.0",
-        "see": "",
-        "required": True,
-    }
+    key = {"name": "force_n", "holds": "a number", "unit": "N", "within": "above 0", "otherwise": "", "see": ""}
+    means = "Force that the participant is asked to apply."
+    assert table["keys"][1] == key | {"means": means, "example": "1.0", "required": True}
     assert table["example"].startswith('[touch]\nkind = "press"\nforce_n = 1.0\n')
-
-
-def test_keys_lists_a_table_with_its_subtables(capsys):
-    told = json.loads(output(capsys, "keys", "bench.force", "--json"))
-    assert [table["name"] for table in told] == ["bench.force", "bench.force.calibration"]
 
 
 def test_keys_texts_lists_every_shipped_text(capsys):
@@ -57,10 +45,9 @@ def test_without_a_name_every_name_is_listed(capsys):
     lines = output(capsys, "keys").splitlines()
     assert "touch       press slide" in lines
     assert max(map(len, lines)) <= 80
-
-
-def test_the_beginning_of_names_lists_them(capsys):
     assert output(capsys, "keys", "touch").split() == ["touch.press", "touch.slide"]
+    subtables = json.loads(output(capsys, "keys", "bench.force", "--json"))
+    assert [table["name"] for table in subtables] == ["bench.force", "bench.force.calibration"]
 
 
 @pytest.mark.parametrize(
@@ -79,17 +66,15 @@ def test_an_unknown_name_is_refused_with_the_nearest(name, near, capsys):
 
 def test_new_lists_the_built_in_studies(capsys):
     assert output(capsys, "new", "--list") == output(capsys, "studies")
-    assert (
-        refused(capsys, "new")
-        == "tactometry: STUDY: found none, expected the name of a study; list them with tactometry new --list"
-    )
+    expected = "STUDY: found none, expected the name of a study; list them with tactometry new --list"
+    assert refused(capsys, "new") == f"tactometry: {expected}"
 
 
 WRONG = {
     "bench.toml": ('[output]\nkind = "file"\nfoldr = "played"\n', ["check", "--bench"], "bench.output.file"),
     "part.toml": ("[screens]\n", ["check", "--bench"], "bench"),
     "scene.toml": (
-        'outputs = ["t_s"]\nsurface = { kind = "electrovibration" }\n',
+        "outputs = ['t_s']\nsurface = { kind = 'electrovibration' }\n",
         ["scene"],
         "scene.surface.electrovibration",
     ),
@@ -108,26 +93,15 @@ def test_refused_key_names_the_keys_command(file, capsys, tmp_path, monkeypatch)
     assert all(line.endswith(f" (all keys: tactometry keys {name})") for line in said.splitlines())
 
 
-def test_keys_imports_only_what_a_name_needs():
-    """None of the libraries of sessions, analyses or figures is loaded."""
-    code = (
-        "import sys\nfrom tactometry.cli import main\ntry:\n    main(['keys', 'touch.slide'])\n"
-        "except SystemExit:\n    print(sorted({'scipy', 'pandas', 'matplotlib', 'numba'} & set(sys.modules)))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
+@pytest.mark.parametrize("name", COMMANDS)
+def test_commands_page_lists_every_option(name):
+    command = tactometry.get_command(click.Context(tactometry), name)
+    section = PAGE.partition(f"## `tactometry {name}`\n")[2].partition("\n## ")[0]
+    options = [one for one in command.params if isinstance(one, click.Option)]
+    assert section
+    assert [one.opts[-1] for one in options if one.opts[-1] not in section] == []
 
 
-EXPLAINED = [
-    name
-    for name in tables()
-    if name.partition(".")[0] in ("task", "procedure", "practice", "plate") or name == "observer.people"
-]
-
-
-@pytest.mark.parametrize("name", EXPLAINED)
-def test_keys_explains_each_key_differently(name, capsys):
-    for table in json.loads(output(capsys, "keys", name, "--json")):
-        told = [key["means"] for key in table["keys"]]
-        assert all(len(text.split()) > 3 for text in told)
-        assert len(set(told)) == len(told)
+def test_commands_page_is_up_to_date():
+    assert reference.text() == PAGE, "run make keys"
+    assert "## `tactometry calibrate gain`" in PAGE

@@ -18,9 +18,12 @@ import pytest
 from hard_cases import exact_case
 from places import ROOT
 from soak import SOAK
+from tables import contents
 
 SCRIPT = str(ROOT / "tests" / "support" / "killed_session.py")
-N_MOMENTS = {"simulate": 350 if SOAK else 12, "console": 150 if SOAK else 4}
+
+
+N_MOMENTS = {"simulate": 350 if SOAK else 12, "run": 150 if SOAK else 4}
 SIGNALS = [signal.SIGKILL, signal.SIGTERM]
 TIMES = re.compile(rb'"(at_s|onset_s|latency_s|timestamp_utc|started_utc|crc32)":("[^"]*"|[-0-9.e]+|null)')
 SITTING = re.compile(rb'^{"sitting":.*\n', re.MULTILINE)
@@ -29,43 +32,27 @@ TIME_COLUMNS = ("onset_s", "latency_s", "timestamp_utc")
 
 @pytest.fixture(scope="module")
 def start():
-    """Return a function that starts the command line in a new process."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(
-        [
-            "tactometry.experiments.sessions.simulation",
-            "tactometry.cli.run",
-            "tactometry.stimuli.scenes.default_scenes",
-        ]
+        ["tactometry.experiments.sessions.simulation", "tactometry.cli.run", "tactometry.stimuli.scenes.default_scenes"]
     )
 
     def started(arguments, terminal=None):
-        process = context.Process(
-            target=runpy.run_path, args=(SCRIPT,), kwargs={"init_globals": {"CALL": (arguments, terminal)}}
-        )
+        given = {"init_globals": {"CALL": (arguments, terminal)}}
+        process = context.Process(target=runpy.run_path, args=(SCRIPT,), kwargs=given)
         process.start()
         return process
 
     return started
 
 
-def simulate(root, resume=False):
-    words = ["simulate", "tutorial", "--participants", "3", "--seed", "7", "--out", str(root)]
-    return words + ["--resume"] * resume
-
-
-def console(root, resume=False):
-    words = ["run", "tutorial", "--participant", "P01", "--rig", "console", "--seed", "7", "--out", str(root)]
-    return words + ["--resume"] * resume
+SIMULATE = ["simulate", "tutorial", "--participants", "3", "--seed", "7", "--out"]
+RUN = ["run", "tutorial", "--participant", "P01", "--rig", "console", "--seed", "7", "--out"]
 
 
 def files(root):
-    """Return the files of a data set without the interruption records."""
-    return {
-        str(path.relative_to(root)): path.read_bytes()
-        for path in sorted(root.rglob("*"))
-        if path.is_file() and not path.name.startswith(".") and "_interruptions" not in path.name
-    }
+    return {path: content for path, content in contents(root).items() if "_interruptions" not in path.name
+            and not path.name.startswith(".")}  # fmt: skip
 
 
 def timeless(content, name):
@@ -78,63 +65,7 @@ def timeless(content, name):
 
 
 def timeless_files(root):
-    return {name: timeless(content, name) for name, content in files(root).items()}
-
-
-def assert_no_trial_is_torn(root, whole):
-    """Assert that a killed trials file is a beginning of the whole one.
-
-    Its last line may be incomplete.
-    """
-    for path in (root / "data").glob("*.csv"):
-        rows = path.read_bytes().split(b"\n")[:-1]
-        assert timeless(b"\n".join(rows), path.name) == whole[f"data/{path.name}"][: len(rows)]
-
-
-def kill_until_done(begin, duration_s, n_moments, number, rng, check):
-    """Kill and resume at `n_moments` random moments.
-
-    A process that ends by itself is followed by a new one.
-    """
-    n_killed, folder, resume = 0, 0, False
-    while n_killed < n_moments:
-        process = begin(folder, resume)
-        process.join(float(rng.uniform(0, 1.1 * duration_s)))
-        if process.exitcode is None:
-            os.kill(process.pid, number)
-            process.join()
-            n_killed, resume = n_killed + 1, True
-            check(folder)
-        elif resume or process.exitcode == 0:
-            assert process.exitcode == 0
-            folder, resume = folder + 1, False
-    process = begin(folder, resume)
-    process.join()
-    assert process.exitcode == 0
-    return folder
-
-
-@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_simulate_survives_being_killed(start, tmp_path, number):
-    rng = np.random.default_rng()
-    for _ in range(2):
-        began_s = time.perf_counter()
-        process = start(simulate(tmp_path / f"whole{_}"))
-        process.join()
-        assert process.exitcode == 0
-    duration_s = time.perf_counter() - began_s
-    whole = timeless_files(tmp_path / "whole0")
-    last = kill_until_done(
-        lambda folder, resume: start(simulate(tmp_path / str(folder), resume)),
-        duration_s,
-        N_MOMENTS["simulate"],
-        number,
-        rng,
-        lambda folder: assert_no_trial_is_torn(tmp_path / str(folder), whole),
-    )
-    for folder in range(last + 1):
-        assert files(tmp_path / str(folder)) == files(tmp_path / "whole0")
-    exact_case("a simulation killed at any moment", against="the same bytes after going on")
+    return {path: timeless(content, path.name) for path, content in files(root).items()}
 
 
 class Participant:
@@ -171,40 +102,68 @@ class Participant:
                 heard = b""
 
 
+def check_rows(root, whole):
+    """Check that a killed trials file, whose last line may be incomplete, is a beginning of the whole one."""
+    for path in (root / "data").glob("*.csv"):
+        rows = path.read_bytes().split(b"\n")[:-1]
+        assert timeless(b"\n".join(rows), path.name) == whole[path.relative_to(root)][: len(rows)]
+
+
+def kill_until_done(begin, folder, n_moments, number, rng):
+    """Kill and resume sessions at `n_moments` random moments; return the folders of all data sets.
+
+    A process that ends by itself is followed by a new one.
+    """
+    for name in ("warm-up", "whole"):
+        began_s = time.perf_counter()
+        process = begin(folder / name, False)
+        process.join()
+        assert process.exitcode == 0
+    duration_s, whole = time.perf_counter() - began_s, timeless_files(folder / "whole")
+    n_killed, roots, resume = 0, [folder / "0"], False
+    while n_killed < n_moments:
+        process = begin(roots[-1], resume)
+        process.join(float(rng.uniform(0, 1.1 * duration_s)))
+        if process.exitcode is None:
+            os.kill(process.pid, number)
+            process.join()
+            n_killed, resume = n_killed + 1, True
+            check_rows(roots[-1], whole)
+        elif resume or process.exitcode == 0:
+            assert process.exitcode == 0
+            roots, resume = [*roots, folder / str(len(roots))], False
+    process = begin(roots[-1], resume)
+    process.join()
+    assert process.exitcode == 0
+    return roots
+
+
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_a_console_session_survives_being_killed(start, tmp_path, number):
-    rng = np.random.default_rng()
+@pytest.mark.parametrize("command", [SIMULATE, RUN], ids=lambda command: command[0])
+def test_session_survives_being_killed(start, tmp_path, command, number):
     n_pipes = iter(range(10**6))
 
-    def begin(root, resume=False):
+    def begin(root, resume):
+        words = [*command, str(root), *["--resume"] * resume]
+        if command is SIMULATE:
+            return start(words)
         folder = tmp_path / f"pipes{next(n_pipes)}"
         folder.mkdir()
-        return Participant(folder, start).begin(console(root, resume))
+        return Participant(folder, start).begin(words)
 
-    began_s = time.perf_counter()
-    process = begin(tmp_path / "whole")
-    process.join()
-    duration_s = time.perf_counter() - began_s
-    assert process.exitcode == 0
-    whole = timeless_files(tmp_path / "whole")
-    last = kill_until_done(
-        lambda folder, resume: begin(tmp_path / str(folder), resume),
-        duration_s,
-        N_MOMENTS["console"],
-        number,
-        rng,
-        lambda folder: assert_no_trial_is_torn(tmp_path / str(folder), whole),
-    )
-    for folder in range(last + 1):
-        assert timeless_files(tmp_path / str(folder)) == whole
+    content_of = files if command is SIMULATE else timeless_files
+    for root in kill_until_done(begin, tmp_path, N_MOMENTS[command[0]], number, np.random.default_rng()):
+        assert content_of(root) == content_of(tmp_path / "whole")
+    if command is SIMULATE:
+        exact_case("a simulation killed at any moment", against="the same bytes after going on")
 
 
 def test_cut_off_line_is_kept_in_a_file(start, tmp_path):
-    process = start(simulate(tmp_path))
+    process = start([*SIMULATE, str(tmp_path)])
     process.join()
     journal = next((tmp_path / "journals").glob("*P02*.jsonl"))
     journal.write_bytes(journal.read_bytes()[:-300])
-    process = start(simulate(tmp_path, resume=True))
+    process = start([*SIMULATE, str(tmp_path), "--resume"])
     process.join()
     assert process.exitcode == 0
     kept = next((tmp_path / "journals").glob("*_interruptions.jsonl")).read_text().splitlines()
