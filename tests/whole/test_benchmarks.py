@@ -59,15 +59,12 @@ def test_benchmark_prints_results_and_names_its_code(name: str) -> None:
     assert len(table.sources_of(program)) > 1
 
 
-def test_pages_with_the_results_of_others_exist() -> None:
-    pages = [page for text in table.ELSEWHERE.values() for page in text.split(" and ")]
-    assert all((BENCHMARKS.parent / page).is_file() for page in pages)
-
-
 def test_page_is_that_of_the_kept_results() -> None:
     kept = table.read(BENCHMARKS / "results.json")
     assert kept
     assert (BENCHMARKS / "README.md").read_text("utf-8") == table.page(kept, table.programs())
+    others = [page for text in table.ELSEWHERE.values() for page in text.split(" and ")]
+    assert all((BENCHMARKS.parent / page).is_file() for page in others)
 
 
 @pytest.mark.parametrize(
@@ -91,6 +88,7 @@ MISSED = "| ours over theirs | 2 x | 1 to 9 | at most 1.5 x: **MISSED** |"
 
 
 def test_page_lists_misses_and_failures_with_earlier_results(folder: Path) -> None:
+    assert "## torn\n\nNot run yet." in table.page({}, table.programs(folder), folder)
     table.renew([], 2, folder)
     page = (folder / "README.md").read_text("utf-8")
     assert "0 of 1 required values are reached, 1 missed" in page
@@ -136,13 +134,8 @@ def test_page_marks_rows_older_than_their_code(folder: Path) -> None:
 def test_changed_neighbour_of_a_measured_module_changes_digest(tmp_path: Path) -> None:
     package = tmp_path / "tactometry" / "fits"
     package.mkdir(parents=True)
-    for file in (
-        package / "fitting.py",
-        package / "starts.py",
-        package.parent / "psychometric.py",
-        package.parent / "x.py",
-    ):
-        file.write_text("", "utf-8")
+    for name in ("fits/fitting.py", "fits/starts.py", "psychometric.py", "x.py"):
+        (package.parent / name).write_text("", "utf-8")
     program = tmp_path / "speed.py"
     program.write_text("from tactometry.fits.fitting import fit\nfrom tactometry.psychometric import SHAPES\n", "utf-8")
     names = [path.name for path in table.sources_of(program, tmp_path)]
@@ -152,15 +145,11 @@ def test_changed_neighbour_of_a_measured_module_changes_digest(tmp_path: Path) -
     assert table.digest(program, tmp_path) != before
 
 
-def test_benchmark_without_results_has_failed(folder: Path) -> None:
-    (folder / "whole.py").write_text('if __name__ == "__main__":\n    pass\n', "utf-8")
-    assert table.once(folder / "whole.py") == ([], "ended without a result")
-
-
-def test_benchmark_that_takes_too_long_is_ended(folder: Path) -> None:
-    (folder / "whole.py").write_text("import time\n\ntime.sleep(60)\n", "utf-8")
-    assert table.once(folder / "whole.py", longest_s=0.2) == ([], "took more than 0.2 s")
-
-
-def test_page_names_benchmarks_that_never_ran(folder: Path) -> None:
-    assert "## torn\n\nNot run yet." in table.page({}, table.programs(folder), folder)
+@pytest.mark.parametrize(
+    ("code", "reason"),
+    [("pass", "ended without a result"), ("import time\n\ntime.sleep(60)", "took more than 2 s")],
+    ids=["no result", "too long"],
+)
+def test_benchmark_without_results_has_failed(folder: Path, code: str, reason: str) -> None:
+    (folder / "whole.py").write_text(f"{code}\n", "utf-8")
+    assert table.once(folder / "whole.py", longest_s=60 if code == "pass" else 2) == ([], reason)

@@ -31,7 +31,6 @@ def code_sizes(tree: ast.Module, source: str) -> Iterator[tuple[str, int]]:
 
 
 def positional(function: ast.FunctionDef) -> int:
-    """Return the number of positional parameters without `self`."""
     names = [arg.arg for arg in (*function.args.posonlyargs, *function.args.args)]
     return len(names) - (names[:1] in (["self"], ["cls"]))
 

@@ -13,10 +13,7 @@ from pathlib import Path
 import pytest
 
 BIN = Path(sys.executable).parent
-SHELLS = {
-    "bash": ["bash", "--norc", "--noprofile", "-i"],
-    "zsh": ["zsh", "-f", "-i"],
-}
+SHELLS = {"bash": ["bash", "--norc", "--noprofile", "-i"], "zsh": ["zsh", "-f", "-i"]}
 BEGINS = {
     "bash": 'eval "$(_TACTOMETRY_COMPLETE=bash_source tactometry)"',
     "zsh": 'autoload -Uz compinit; compinit -u; eval "$(_TACTOMETRY_COMPLETE=zsh_source tactometry)"',
@@ -84,21 +81,12 @@ def test_fish_completes_studies_and_key_tables(tmp_path):
     assert done.stdout.split() == ["tutorial", "procedure.staircase"]
 
 
-@pytest.mark.parametrize(("typed", "expected"), [("ke", "keys"), ("run --resu", "--resume"), ("scene a4", "a4-screen")])
-def test_commands_options_and_built_in_names_are_completed(typed, expected):
-    words = f"tactometry {typed}"
-    place = {**os.environ, "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [("ke", "plain,keys"), ("run --resu", "plain,--resume"), ("scene a4", "plain,a4-screen"), ("run min", "file,min")],
+)
+def test_names_are_completed_and_paths_left_to_shell(typed, expected):
+    place = {**os.environ, "COMP_WORDS": f"tactometry {typed}", "COMP_CWORD": str(1 + typed.count(" "))}
     place["_TACTOMETRY_COMPLETE"] = "bash_complete"
     done = subprocess.run([BIN / "tactometry"], env=place, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == [f"plain,{expected}"]
-
-
-def test_completion_leaves_paths_to_the_shell():
-    place = {
-        **os.environ,
-        "COMP_WORDS": "tactometry run min",
-        "COMP_CWORD": "2",
-        "_TACTOMETRY_COMPLETE": "bash_complete",
-    }
-    done = subprocess.run([BIN / "tactometry"], env=place, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["file,min"]
+    assert done.stdout.split() == [expected]

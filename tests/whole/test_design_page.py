@@ -30,7 +30,6 @@ def drawn(wing: str, picture: str = PICTURE) -> set[str]:
 
 
 def folders(wing: Path) -> set[str]:
-    """Return the packages in a folder, without links and the command line."""
     rooms = {file.parent for file in wing.glob("*/__init__.py")}
     return {room.name for room in rooms if not room.is_symlink()} - {"cli"}
 

@@ -33,7 +33,6 @@ def clone(tmp_path: Path) -> Path:
 
 
 def shell(folder: Path, lines: list[str]) -> str:
-    """Return what a shell prints that finds tactometry in no folder of its PATH."""
     done = subprocess.run(
         ["bash", "-euc", "\n".join(lines)],
         cwd=folder,

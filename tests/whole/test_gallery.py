@@ -11,7 +11,6 @@ EVERY = [picture for page in PAGES for picture in pictures_of(page)]
 
 
 def test_gallery_index_shows_every_section() -> None:
-    """`make gallery` writes it anew."""
     assert (GALLERY / "index.md").read_text(encoding="utf-8") == first_page()
     assert sum(page.read_text(encoding="utf-8").count("\n## ") for page in PAGES) == len(EVERY)
 

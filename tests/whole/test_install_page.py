@@ -10,14 +10,13 @@ NOT_FOR_USERS = {"dev", "docs"}
 
 
 def rows(first: str) -> list[list[str]]:
-    """Return the rows of the table whose first column has this name."""
     table = PAGE.partition(f"| {first} |")[2].partition("\n\n")[0]
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
 
 
 def test_install_page_lists_each_core_package_once() -> None:
-    told = [name for name, _, others, _ in rows("package") for name in (name, *filter(None, others.split(", ")))]
-    assert sorted(told) == sorted(needed(core_requirements()))
+    listed = [name for name, _, others, _ in rows("package") for name in (name, *filter(None, others.split(", ")))]
+    assert sorted(listed) == sorted(needed(core_requirements()))
 
 
 def test_install_page_states_purpose_of_every_extra() -> None:

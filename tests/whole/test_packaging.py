@@ -43,24 +43,19 @@ def tree() -> set[str]:
     return rooms | {f"tactometry/{file}" for file in files(ROOT / "tactometry")}
 
 
-def run(*command: str | Path, cwd: Path) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        command, cwd=cwd, env=KEPT, capture_output=True, text=True, check=False, timeout=LONGEST_PROGRAM_S
-    )
-
-
-def done(result: "subprocess.CompletedProcess[str]") -> str:
+def run(*command: str | Path, cwd: Path) -> str:
+    options = {"capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
+    result = subprocess.run(command, cwd=cwd, env=KEPT, check=False, **options)
     assert result.returncode == 0, result.stdout[-2000:] + result.stderr[-2000:]
     return result.stdout
 
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the wheel from a copy of the tree."""
     source = copy_tree(tmp_path_factory.mktemp("source"), "pyproject.toml", "setup.py", "README.md")
     shutil.copytree(ROOT / "LICENSES", source / "LICENSES")
     out = source / "dist"
-    done(run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, ".", cwd=source))
+    run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, ".", cwd=source)
     (built,) = out.glob("*.whl")
     return built
 
@@ -69,15 +64,15 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the scripts folder of an environment with the wheel."""
     place = tmp_path_factory.mktemp("environment")
-    done(run(sys.executable, "-m", "venv", *([] if SOAK else ["--without-pip"]), place, cwd=place))
+    run(sys.executable, "-m", "venv", *([] if SOAK else ["--without-pip"]), place, cwd=place)
     scripts = place / ("Scripts" if os.name == "nt" else "bin")
     install = [sys.executable, "-m", "pip", "--python", scripts / "python", "install", "--quiet"]
     if SOAK:
-        done(run(*install, "--require-hashes", "--requirement", ROOT / "requirements" / "core.txt", cwd=place))
+        run(*install, "--require-hashes", "--requirement", ROOT / "requirements" / "core.txt", cwd=place)
     else:
         (site,) = place.glob("lib/python*/site-packages") if os.name != "nt" else [place / "Lib" / "site-packages"]
         (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
-    done(run(*install, "--no-deps", wheel, cwd=place))
+    run(*install, "--no-deps", wheel, cwd=place)
     return scripts
 
 
@@ -91,17 +86,9 @@ def foreign(tmp_path: Path) -> Path:
 
 
 def test_wheel_contains_every_file_once(wheel: Path) -> None:
-    names = [name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name]
-    assert sorted(names) == sorted(tree())
-
-
-def test_wheel_installs_one_top_level_package(wheel: Path) -> None:
-    tops = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
-    assert tops == {"tactometry", f"tactometry-{__version__}.dist-info"}
-
-
-def test_the_wheel_carries_the_licence(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
+    assert sorted(name for name in names if ".dist-info/" not in name) == sorted(tree())
+    assert {name.split("/")[0] for name in names} == {"tactometry", f"tactometry-{__version__}.dist-info"}
     assert any(name.endswith("licenses/LICENSES/GPL-3.0-or-later.txt") for name in names)
     assert PROJECT["license"] == "GPL-3.0-or-later"
 
@@ -109,14 +96,14 @@ def test_the_wheel_carries_the_licence(wheel: Path) -> None:
 def test_installed_packages_take_precedence_over_local_folders(environment: Path, foreign: Path) -> None:
     names = ", ".join(f"tactometry.{room}" for room in WINGS)
     script = f"import {names}; print(*(m.__file__ for m in ({names},)), sep='\\n')"
-    found = done(run(environment / "python", "-c", script, cwd=foreign)).splitlines()
+    found = run(environment / "python", "-c", script, cwd=foreign).splitlines()
     assert len(found) == len(WINGS)
     assert all(Path(file).is_relative_to(environment.parent) for file in found)
 
 
 @pytest.mark.slow
 def test_installed_command_runs_demo_in_another_folder(environment: Path, foreign: Path) -> None:
-    done(run(environment / "tactometry", "demo", "--out", "out", cwd=foreign))
+    run(environment / "tactometry", "demo", "--out", "out", cwd=foreign)
     assert list((foreign / "out").rglob("*_data.csv"))
     assert list((foreign / "out").rglob("*.html"))
 
@@ -136,10 +123,7 @@ def pinned(name: str, marker: dict[str, str]) -> list[str]:
 @pytest.mark.parametrize("marker", MARKERS, ids=lambda marker: marker["python_version"])
 @pytest.mark.parametrize(
     "needed",
-    [
-        *PROJECT["dependencies"],
-        *(each for group in PROJECT["optional-dependencies"].values() for each in group),
-    ],
+    [*PROJECT["dependencies"], *(each for group in PROJECT["optional-dependencies"].values() for each in group)],
 )
 def test_each_requirement_has_one_admitted_version(needed: str, marker: dict[str, str]) -> None:
     requirement = Requirement(needed)
@@ -154,7 +138,6 @@ def test_the_constraints_hold_versions_and_no_address() -> None:
 
 
 def hashed(name: str) -> dict[str, list[str]]:
-    """Return the pins of a requirements file with their hashes."""
     text = (ROOT / "requirements" / f"{name}.txt").read_text(encoding="utf-8").replace("\\\n", "")
     pins = [line.split(" --hash=") for line in map(" ".join, map(str.split, text.splitlines())) if "==" in line]
     return {pin: hashes for pin, *hashes in pins}

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from places import ROOT
 from source_tree import copy_tree
-from study_texts import TUTORIAL
+from study_texts import TUTORIAL, changed
 from tables import rows_of, trial_rows
 
 NEW_FILES = ROOT / "tests" / "recipes"
@@ -23,6 +23,8 @@ def hurried(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
 
 
 """
+EN, FR = "tactometry/rigs/messages_en.toml", "tactometry/rigs/messages_fr.toml"
+INSTRUCTIONS = 'instructions_oddity = """\n{}"""\n'
 LINES = (
     (
         "experiments/study/kinds.py",
@@ -37,45 +39,17 @@ LINES = (
         '    "magnitude": TaskRows(',
     ),
     (
-        "tactometry/rigs/messages_en.toml",
-        'instructions_oddity = """\nWhich is the odd one?\n\nThree touches, one unlike the others."""\n',
+        EN,
+        INSTRUCTIONS.format("Which is the odd one?\n\nThree touches, one unlike the others."),
         "instructions_yes_no = ",
     ),
-    (
-        "tactometry/rigs/messages_en.toml",
-        'which_odd = "Which one was the odd one?"\n',
-        "which_interval = ",
-    ),
-    (
-        "tactometry/rigs/messages_fr.toml",
-        'instructions_oddity = """\nLequel diffère ?\n\nTrois touchers, un seul diffère."""\n',
-        "instructions_yes_no = ",
-    ),
-    (
-        "tactometry/rigs/messages_fr.toml",
-        'which_odd = "Lequel était différent ?"\n',
-        "which_interval = ",
-    ),
-    (
-        "tactometry/trials/columns.py",
-        '    "hurried": "a hand in a hurry",\n',
-        '    "simulated": ',
-    ),
-    (
-        "experiments/accuracy/__init__.py",
-        '    "series": f"{_HERE}.series:problem",\n',
-        '    "spectral-sensitivity": ',
-    ),
-    (
-        "experiments/sessions/rig_kinds.py",
-        HURRIED,
-        "def simulated(",
-    ),
-    (
-        "tactometry/observers/kinds.py",
-        '    "guesser": "tactometry.observers.guesser:Guesser",\n',
-        "    USUAL: ",
-    ),
+    (EN, 'which_odd = "Which one was the odd one?"\n', "which_interval = "),
+    (FR, INSTRUCTIONS.format("Lequel diffère ?\n\nTrois touchers, un seul diffère."), "instructions_yes_no = "),
+    (FR, 'which_odd = "Lequel était différent ?"\n', "which_interval = "),
+    ("tactometry/trials/columns.py", '    "hurried": "a hand in a hurry",\n', '    "simulated": '),
+    ("experiments/accuracy/__init__.py", '    "series": f"{_HERE}.series:problem",\n', '    "spectral-sensitivity": '),
+    ("experiments/sessions/rig_kinds.py", HURRIED, "def simulated("),
+    ("tactometry/observers/kinds.py", '    "guesser": "tactometry.observers.guesser:Guesser",\n', "    USUAL: "),
     (
         "tactometry/devices/kinds.py",
         '    "ledger": "tactometry.devices.outputs.ledger:LedgerSettings",\n',
@@ -98,7 +72,6 @@ LINES = (
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a copy of the tree with the files and lines of all recipes."""
     place = copy_tree(tmp_path_factory.mktemp("tree"))
     for file in (file for file in NEW_FILES.rglob("*") if file.is_file() and "__pycache__" not in file.parts):
         new = place / file.relative_to(NEW_FILES)
@@ -130,40 +103,19 @@ high = 40
 
 """
 APPROXIMATED_STUDY = f"{STUDY.partition('[procedure]')[0]}{APPROXIMATION}[limits]{STUDY.partition('[limits]')[2]}"
-GUESSED_STUDY = f"""{STUDY}
-[observer]
-kind = "guesser"
-bias = 0.9
-"""
-PRESSED_STUDY = """
-name = "pressed"
-title = "Pressed"
-description = "A press on a spring."
-
-[factors]
-frequency_hz = [240]
-
-[stimulus]
-kind = "amplitude_modulated"
-duration_s = 0.1
-
-[touch]
-kind = "press"
-force_n = 1.0
-hold_s = 0.1
-timeout_s = 20
-
-[task]
-kind = "yes_no"
-
-[procedure]
-kind = "constant_stimuli"
-levels = [26]
-repeats = 2
-
-[limits]
-voltage_peak_v = 100.0
-"""
+GUESSED_STUDY = f'{STUDY}\n[observer]\nkind = "guesser"\nbias = 0.9\n'
+PRESS = '"press"\nforce_n = 1.0\nhold_s = 0.1\ntimeout_s = 20\n\n'
+PRESSED_STUDY = changed(
+    STUDY,
+    {
+        STUDY[STUDY.index('"slide"') : STUDY.index("[task]")]: PRESS,
+        "catch_rate = 0.2": "",
+        "[60, 240]": "[240]",
+        '"500 ms"': "0.1",
+        "[22, 28, 34, 40]": "[26]",
+        "repeats = 4": "repeats = 2",
+    },
+)
 BENCH = """
 [output]
 kind = "ledger"
@@ -229,17 +181,9 @@ for command in sys.argv[2:]:
 
 @pytest.fixture(scope="module")
 def folder(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Run the commands of a user on the extended tree."""
     place = tmp_path_factory.mktemp("user")
-    files = {
-        "odd": ODD_STUDY,
-        "odd_once": ODD_LEVELS,
-        "approximated": APPROXIMATED_STUDY,
-        "guessed": GUESSED_STUDY,
-        "pressed": PRESSED_STUDY,
-        "bench": BENCH,
-        "covered": COVERED_SCENE,
-    }
+    files = {"odd": ODD_STUDY, "odd_once": ODD_LEVELS, "approximated": APPROXIMATED_STUDY, "guessed": GUESSED_STUDY}
+    files |= {"pressed": PRESSED_STUDY, "bench": BENCH, "covered": COVERED_SCENE}
     for name, text in files.items():
         (place / f"{name}.toml").write_text(text, encoding="utf-8")
     command = [sys.executable, "-W", "error", "-c", PROGRAM, str(tree), *COMMANDS]
@@ -254,23 +198,33 @@ def test_task_is_added_by_two_files_and_line(folder: Path) -> None:
     assert len(rows) == 2 * 4 * 10
     assert {row["target"] for row in rows} <= {"1", "2", "3"}
     assert {row["standard_level"] for row in rows} == {"12"}
-    page = (folder / "odd.html").read_text(encoding="utf-8")
-    for said in (
-        "reported which of three intervals was the odd one",
-        "Detection threshold",
-        "odd ones was 1/3",
-        "Rate correct",
-    ):
-        assert said in page
     fitted = rows_of(folder / "odd_tables" / "thresholds.csv")
     assert {row["task"] for row in fitted} == {"oddity"}
     assert {row["guess_rate"][:6] for row in fitted} == {"0.3333"}
+    asked = trial_rows(folder / "asked")
+    assert len(asked) == 4 * 4
+    assert {(row["task"], row["rig"], row["response"]) for row in asked} == {("oddity", "console", "1")}
 
 
-def test_new_task_needs_texts_in_each_language(folder: Path) -> None:
-    rows = trial_rows(folder / "asked")
-    assert len(rows) == 4 * 4
-    assert {(row["task"], row["rig"], row["response"]) for row in rows} == {("oddity", "console", "1")}
+@pytest.mark.parametrize(
+    "said",
+    [
+        *(
+            "reported which of three intervals was the odd one",
+            "Detection threshold",
+            "odd ones was 1/3",
+            "Rate correct",
+        ),
+        *("Roughness of the surface", "<h2>Times to answer</h2>", "Median of all answers: "),
+    ],
+)
+def test_report_contains_added_task_questionnaire_and_result(folder: Path, said: str) -> None:
+    assert said in (folder / "odd.html").read_text(encoding="utf-8")
+
+
+def test_questionnaire_is_added_by_file(folder: Path) -> None:
+    rows = [row for row in trial_rows(folder / "odd") if row["procedure"] == "roughness"]
+    assert [(row["task"], row["item"]) for row in rows] == [("rating", "rough")] * 2
 
 
 def test_rig_is_added_by_file_function_and_line(folder: Path) -> None:
@@ -287,26 +241,14 @@ def test_procedure_is_added_by_file_and_line(folder: Path) -> None:
     assert {row["rule_note"] for row in fitted} == {"last level at a chance of 0.6"}
 
 
-KEYS_AND_REFUSAL = """
-import sys
-
-sys.path.insert(0, sys.argv[1])
-from tactometry.cli import main
-from tactometry.experiments.reference.keys import keys_of
-from tactometry.experiments.reference.tables import tables
-
-keys = keys_of(tables()["procedure.stochastic_approximation"])[1:]
-print(*(f"{key.name}: {key.within or 'any'}" for key in keys), sep="; ")
-main(["run", "mistyped.toml", "--participant", "P01", "--dry-run"])
-"""
-
-
 def test_procedure_keys_are_derived_from_its_registration(tree: Path, folder: Path) -> None:
     (folder / "mistyped.toml").write_text(APPROXIMATED_STUDY.replace("step = 60", "stepp = 60"), encoding="utf-8")
-    command = [sys.executable, "-W", "error", "-c", KEYS_AND_REFUSAL, str(tree)]
+    commands = "keys procedure.stochastic_approximation --json", "run mistyped.toml --participant P01 --dry-run"
+    command = [sys.executable, "-W", "error", "-c", PROGRAM, str(tree), *commands]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.stdout.strip() == "start: any; step: any; low: any; high: any; target: from 0 to 1; n_trials: any"
-    assert done.returncode == 2
+    keys = {key["name"]: key["within"] for key in json.loads(done.stdout)[0]["keys"]}
+    assert (list(keys)[1:], keys["target"]) == (["start", "step", "low", "high", "target", "n_trials"], "from 0 to 1")
+    assert done.returncode == 1
     assert "procedure.stepp: found an unknown key" in done.stderr
     assert "did you mean 'step'" in done.stderr
 
@@ -326,31 +268,15 @@ def test_observer_is_added_by_file_and_line(folder: Path) -> None:
     assert "'kind': 'Guesser'" in str(head)
 
 
-def test_questionnaire_is_added_by_file(folder: Path) -> None:
-    rows = [row for row in trial_rows(folder / "odd") if row["procedure"] == "roughness"]
-    assert [(row["task"], row["item"]) for row in rows] == [("rating", "rough")] * 2
-    page = (folder / "odd.html").read_text(encoding="utf-8")
-    assert "Roughness of the surface" in page
-
-
-def test_sensor_is_added_by_file_and_line(folder: Path) -> None:
-    assert {row["force_mean_n"] for row in trial_rows(folder / "pressed")} == {"1"}
-
-
-def test_output_is_added_by_file_and_line(folder: Path) -> None:
+def test_sensor_and_output_are_added_by_file_and_line(folder: Path) -> None:
+    rows = trial_rows(folder / "pressed")
+    assert [(row["force_mean_n"], row["valid"]) for row in rows] == [("1", "1"), ("1", "1")]
     played = (folder / "played.txt").read_text(encoding="utf-8").splitlines()
     assert len(played) == 2
     for signal in played:
         peak_v, duration = signal.split(" V, ")
         assert duration == "0.10 s"
         assert 18.0 < float(peak_v) <= 10 ** (26 / 20)
-    assert [row["valid"] for row in trial_rows(folder / "pressed")] == ["1", "1"]
-
-
-def test_result_kind_is_added_by_file_and_line(folder: Path) -> None:
-    page = (folder / "odd.html").read_text(encoding="utf-8")
-    assert "<h2>Times to answer</h2>" in page
-    assert "Median of all answers: " in page
 
 
 def test_effect_is_added_by_file_and_line(folder: Path) -> None:

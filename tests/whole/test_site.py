@@ -15,11 +15,9 @@ PACKAGES = ("sphinx", "myst_nb", "furo", "sphinx_design", "sphinx_copybutton")
 ABSENT = [package for package in PACKAGES if find_spec(package) is None]
 pytestmark = pytest.mark.skipif(bool(ABSENT), reason=f"not installed: {', '.join(ABSENT)} (extra docs)")
 
-DEAD = """# A page
+FLAWED = """# A page
 
 [gone](gone.md), [no such part](index.md#no-such-part)
-"""
-NAMES = """# A page
 
 {py:func}`nope`, {class}`tactometry.stimuli.Nope`, {py:func}`tactometry.errors.count_of`
 
@@ -51,15 +49,10 @@ def site_of(page: str, docs: Path) -> Path:
     return docs
 
 
-def test_unknown_python_name_fails_the_site(tmp_path: Path) -> None:
-    done = built(site_of(NAMES, tmp_path / "docs"), tmp_path / "out", "html")
+def test_dead_link_or_unknown_python_name_fails_the_site(tmp_path: Path) -> None:
+    done = built(site_of(FLAWED, tmp_path / "docs"), tmp_path / "out", "html")
     assert done.returncode == 1
-    assert re.findall("reference target not found: (.*) \\[", done.stderr) == ["nope", "tactometry.stimuli.Nope"]
-
-
-def test_a_dead_link_fails(tmp_path: Path) -> None:
-    done = built(site_of(DEAD, tmp_path / "docs"), tmp_path / "out", "dummy")
-    assert done.returncode == 1
+    assert re.findall(r"reference target not found: ([\w.]+) \[", done.stderr) == ["nope", "tactometry.stimuli.Nope"]
     assert "gone.md" in done.stderr
     assert "no-such-part" in done.stderr
 

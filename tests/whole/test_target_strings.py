@@ -39,12 +39,10 @@ def named(tree: ast.Module, module: str) -> dict[tuple[str, str], list[str]]:
 
 
 def has(module: str, name: str) -> bool:
-    """Return True if a module defines a name."""
     return re.search(rf"^(?:def |class |){name}\b", MODULES[module].read_text(encoding="utf-8"), re.M) is not None
 
 
 def with_targets(place: Path, spoilt: dict[str, str]) -> Path:
-    """Return a copy of the tree with target strings as imports."""
     copy = copy_tree(place, "pyproject.toml")
     for module, path in MODULES.items():
         file = path.relative_to(ROOT).as_posix()
