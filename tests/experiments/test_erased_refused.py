@@ -7,7 +7,8 @@ import subprocess
 import sys
 
 import pytest
-from command_line import call, output, refused
+from command_line import output, refused, status
+from tables import contents
 
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.data_sets.erasing import erase, find
@@ -22,10 +23,7 @@ UNFINISHED = {"participant": "P02", "begun_utc": "2026-01-01", "version": "1", "
 @pytest.fixture(scope="module")
 def set_without_p02(tmp_path_factory):
     root = tmp_path_factory.mktemp("erased") / "d"
-    from tactometry.cli import main
-
-    with pytest.raises(SystemExit):
-        main([*SIMULATE, str(root)])
+    assert status(*SIMULATE, root) == 0
     erase(root, "P02")
     return root
 
@@ -51,10 +49,6 @@ def test_command_refuses_erased_participant(capsys, erased, words, options):
     assert names(erased) == before
 
 
-def test_simulate_refuses_erased_participant_with_workers(capsys, erased):
-    assert "found that P02 was erased" in refused(capsys, *SIMULATE, erased, "--resume", "--jobs", "2")
-
-
 @pytest.mark.parametrize("words", [SIMULATE, RUN], ids=["simulate", "run"])
 def test_allow_erased_records_participant_again(capsys, erased, words):
     output(capsys, *words, erased, "--resume", "--allow-erased")
@@ -65,11 +59,6 @@ def test_allow_erased_records_participant_again(capsys, erased, words):
 def test_capitals_of_erased_code_make_no_difference(erased, code):
     with pytest.raises(InvalidParameter, match="P02 was erased"):
         refuse_erased(erased, ["P01", code])
-
-
-def test_other_participants_are_not_refused(capsys, erased):
-    words = (*RUN[:-2], "P04", "--out")
-    assert call(capsys, *words, erased)[0] == 0
 
 
 def test_unfinished_erasure_is_refused_when_allowed(erased):
@@ -152,10 +141,11 @@ def first(root):
 
 @pytest.mark.parametrize("code", ["P01", "P02"])
 def test_concurrent_erasure_is_refused_without_changes(capsys, root, first, code):
-    before = {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
+    before = contents(root)
     said = refused(capsys, "erase", root, "--participant", code, "--yes")
     assert "another process is erasing from this data set" in said
-    assert {path: path.read_bytes() for path in root.rglob("*") if path.is_file()} == before
+    assert find(root, "P02").others == ()
+    assert contents(root) == before
 
 
 def test_record_has_a_line_for_each_erasure(capsys, root, first):
@@ -166,10 +156,6 @@ def test_record_has_a_line_for_each_erasure(capsys, root, first):
     lines = [json.loads(line) for line in (root / RECORD).read_text("utf-8").splitlines()]
     assert [(line["participant"], line["finished_utc"] is None) for line in lines] == [("P01", False), ("P02", False)]
     assert (participants(root), (root / LOCK).exists()) == ([], False)
-
-
-def test_dry_erase_lists_files_during_another(root, first):
-    assert find(root, "P02").others == ()
 
 
 def test_killed_erasure_does_not_block_others(root, first):

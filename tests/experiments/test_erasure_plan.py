@@ -5,6 +5,7 @@ import shutil
 import pytest
 from command_line import refused
 from places import RECORDED
+from tables import contents
 
 from tactometry.errors import InvalidFile, InvalidParameter, SessionInUse
 from tactometry.experiments.data_sets import erasing
@@ -39,10 +40,6 @@ def put(root, name, content):
     return root / name
 
 
-def others(root):
-    return list(find(root, "P1").others)
-
-
 def test_journals_go_last(monkeypatch, root):
     put(root, "report.html", "")
     put(root, "report_tables/means.csv", "1")
@@ -65,20 +62,26 @@ def test_erasure_includes_drafts_of_the_participant(root):
 
 
 @pytest.mark.parametrize(
-    "name", ["notes.md", "who.csv", "touch_P1.png", f"mine/{stem('P10')}_data.csv", f"data/.{stem('P10')}_data.csv.123"]
+    ("name", "listed"),
+    [
+        *((name, name) for name in ("notes.md", "who.csv", "touch_P1.png")),
+        (f"mine/{stem('P10')}_data.csv", f"mine/{stem('P10')}_data.csv"),
+        (f"data/.{stem('P10')}_data.csv.123", f"data/.{stem('P10')}_data.csv.123"),
+        ("data/.checkpoints/a.csv", "data/.checkpoints"),
+    ],
 )
-def test_erasure_keeps_and_lists_other_files(root, name):
+def test_erasure_keeps_and_lists_other_files(root, name, listed):
     path = put(root, name, "P1")
-    assert others(root) == [name]
-    erase(root, "P1")
+    assert erase(root, "P1").others == (listed,)
     assert path.exists()
 
 
 def test_erasure_does_not_list_data_set_files(root):
     put(root, "study.toml", "# P1")
-    put(root, f".{RECORD}.123", "P1")
+    draft = put(root, f".{RECORD}.123", "P1")
     put(root, f"journals/{stem('P10')}_events.tsv", "time_s\tremark\n1.0\tas P1\n")
-    assert others(root) == []
+    assert erase(root, "P1").others == ()
+    assert not draft.exists()
 
 
 @pytest.mark.parametrize(
@@ -97,12 +100,6 @@ def test_data_set_and_user_folders_are_no_exports(root, folder, name, content):
     assert find(root, "P1").derived == ()
 
 
-def test_erasure_includes_report_tables_without_codes(root):
-    put(root, "report.html", "")
-    put(root, "report_tables/means.csv", "1")
-    assert find(root, "P1").derived == ("report.html", "report_tables/means.csv")
-
-
 @pytest.mark.parametrize("key", ["participant", "subject", "sub"])
 @pytest.mark.parametrize("name", ["{}-P1", "a/{}-P1/x.tsv", "data/.{}-P1.csv", "ses-1_{}-P1_x.tsv"])
 def test_file_names_with_keys_belong_to_the_participant(key, name):
@@ -117,22 +114,14 @@ def test_erasure_keeps_empty_standard_folders(root):
     put(root, "exports/r/trials.csv", "P1 P10")
     for code in ("P1", "P10"):
         erase(root, code)
-    assert sorted(path.name for path in root.iterdir()) == [
-        "data",
-        "dataset_description.json",
-        RECORD,
-        "journals",
-        "traces",
-    ]
-
-
-def test_interruption_files_do_not_count_as_sessions(root):
-    put(root, f"journals/{stem('P1')}_interruptions.jsonl", "")
-    looked, done = find(root, "P1"), erase(root, "P1")
-    assert (looked.n_sessions, done.n_sessions, done.erasure.n_sessions, len(done.own)) == (1, 1, 1, 3)
+    assert {path.name for path in root.iterdir()} == {"data", "dataset_description.json", RECORD, "journals", "traces"}
 
 
 def test_repeated_erasure_reports_the_original_sessions(monkeypatch, root):
+    """Files of interruptions do not count as sessions."""
+    put(root, f"journals/{stem('P1')}_interruptions.jsonl", "")
+    looked = find(root, "P1")
+
     def failed(*_):
         raise KeyboardInterrupt
 
@@ -140,7 +129,7 @@ def test_repeated_erasure_reports_the_original_sessions(monkeypatch, root):
         patched.setattr(erasing, "_remove_empty", failed)
         with pytest.raises(KeyboardInterrupt):
             erase(root, "P1")
-    assert erase(root, "P1").n_sessions == 1
+    assert (looked.n_sessions, erase(root, "P1").n_sessions, len(looked.own)) == (1, 1, 3)
 
 
 def test_renamed_journal_alone_identifies_a_participant(root):
@@ -187,16 +176,11 @@ def test_erasure_refuses_linked_data_set_folders(tmp_path, part):
 
 
 def with_link(tmp_path, data_set, part):
-    """Copy a data set and replace one of its folders by a link."""
     root, elsewhere = shutil.copytree(data_set, tmp_path / "d"), tmp_path / "elsewhere"
     (root / part).mkdir(exist_ok=True)
     (root / part).rename(elsewhere)
     (root / part).symlink_to(elsewhere)
     return root
-
-
-def contents(folder):
-    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("part", ["data", "journals", "traces"])
@@ -229,23 +213,14 @@ def test_broken_link_in_place_of_folder_is_refused(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("folder", ["data", "journals"])
-@pytest.mark.parametrize("end", ["missing", "absent/missing"])
+@pytest.mark.parametrize("end", ["missing", "absent/missing", None], ids=["missing", "absent folder", "itself"])
 def test_broken_link_is_erased_and_its_target_listed(tmp_path, folder, end):
     """The target may be on a disk that is not connected."""
     root = shutil.copytree(DATA_SET, tmp_path / "d")
     code = participants(root)[0]
     link = Session(code, 9, "link").journal(root) if folder == "journals" else Session(code, 9, "link").trials(root)
-    link.symlink_to(tmp_path / end)
-    done = erase(root, code)
+    target = link if end is None else tmp_path / end
+    link.symlink_to(target)
+    assert erase(root, code).others == (f"{folder}/{link.name} -> {target}",)
     assert not link.is_symlink()
-    assert done.others == (f"{folder}/{link.name} -> {tmp_path / end}",)
-    assert not (tmp_path / end).exists()
-
-
-def test_circular_link_is_erased(tmp_path):
-    root = shutil.copytree(DATA_SET, tmp_path / "d")
-    code = participants(root)[0]
-    link = Session(code, 9, "link").trials(root)
-    link.symlink_to(link)
-    erase(root, code)
-    assert not link.is_symlink()
+    assert not target.exists()
