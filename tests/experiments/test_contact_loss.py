@@ -9,6 +9,7 @@ from scipy.signal import lsim, resample
 from study_texts import changed, wired
 
 from tactometry.contact import Contact
+from tactometry.experiments.bench.preflight import _study
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_effects import pulled_fingers
 from tactometry.experiments.study.study_file import load
@@ -50,7 +51,6 @@ def contact_course(study, level, force_n):
 
 
 def played(level):
-    """Return a focus of the small screen, in dB re 1 um."""
     return FocusTrain(SCREEN, f_max_hz=20e3, voltage_max_v=2e4).at(level)
 
 
@@ -94,8 +94,6 @@ def test_dry_run_predicts_contact_of_each_force(tmp_path, capsys):
 
 
 def test_check_predicts_contact_loss(tmp_path):
-    from tactometry.experiments.bench.preflight import _study
-
     file = tmp_path / "s.toml"
     faint = SMALL.replace("levels = [30.0]", "levels = [-30.0]")
     file.write_text(faint.replace("levels = [10.0, 14.0, 18.0, 22.0, 26.0, 30.0]", "levels = [-40.0, -30.0]"))
@@ -120,7 +118,6 @@ def test_study_without_a_plate_reports_no_contact_loss():
 
 @pytest.fixture(scope="module")
 def soft_tip():
-    """Return a soft contactor's reading and loads."""
     loads = Contactor("soft", 0.02).loads(SCREEN.plate, SCREEN.focus_m, PRESSED.force_n)
     return FocusReading(SCREEN, contactor="soft", diameter_m=0.02), loads
 
@@ -157,9 +154,8 @@ def test_force_loss_reports_each_contactor_and_force():
     text = load("force-loss")[1].decode().replace('duration_s = "500 ms"', f'duration_s = "500 ms"\n{FOCUS}')
     found = pulled_fingers(wired(text.replace("voltage_peak_v = 200.0", "voltage_peak_v = 2e3")))
     assert len(found) == 25
-    assert {finger.presser for finger in found} == {
-        "finger", "soft 5 mm tip", "soft 10 mm tip", "rigid 5 mm tip", "rigid 10 mm tip"
-    }  # fmt: skip
+    tips = {f"{kind} {size} mm tip" for kind in ("soft", "rigid") for size in (5, 10)}
+    assert {finger.presser for finger in found} == {"finger", *tips}
 
 
 LOCALISATION = load("time-reversal-localisation")[1].decode()

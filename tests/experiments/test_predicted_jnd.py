@@ -1,4 +1,4 @@
-"""Just noticeable differences that a dry run predicts for comparisons."""
+"""Predicted sensation levels, and the just noticeable differences that a dry run states."""
 
 import json
 
@@ -8,8 +8,10 @@ from command_line import output
 from scipy.special import ndtri
 from study_texts import changed, wired
 
-from tactometry.experiments.study.predictions import contact_of, felt_db, predicted_jnds
+from tactometry.contact import Contact
+from tactometry.experiments.study.predictions import N_LEVELS, contact_of, felt_db, level_table, predicted_jnds
 from tactometry.experiments.study.study_file import load
+from tactometry.protocols.batch.tracks import tracks
 
 TEXTURE = load("texture-discrimination")[1].decode()
 STATED = {"[observer]": '[observer]\nkind = "psychometric"\nthreshold = 20.0\nwidth = 6.0\n'}
@@ -49,3 +51,38 @@ def test_jnd_beyond_the_levels_is_named(levels):
 
 def test_other_tasks_have_no_jnd():
     assert not list(predicted_jnds(wired(load("tutorial")[1].decode())))
+
+
+# --- tables of sensation levels through the scene of a study
+
+
+@pytest.fixture(scope="module")
+def cells():
+    return tuple(wired(load("electrovibration-threshold")[1].decode()).cells.values())
+
+
+def test_level_table_equals_scene_at_levels(cells):
+    cell, levels = cells[0], (10.0, 20.0, 35.0)
+    table = level_table(cell, levels, Contact(0.5, 0.05))
+    assert table.felt[0].tolist() == [felt_db(cell, level, Contact(0.5, 0.05)) for level in levels]
+    assert (np.diff(table.felt[0]) > 0).all()
+
+
+def test_level_table_interpolates_scene(cells):
+    cell = cells[0]
+    table, (low, high) = level_table(cell), cell.procedure.rule.bounds
+    assert len(table.levels) in (N_LEVELS, len(getattr(cell.procedure.rule, "levels", ())))
+    for level in np.linspace(low + 0.3 * (high - low), high, 7):
+        asked = np.interp(level, table.levels, table.felt[0])
+        met = level_table(cell, (level, level + 1.0)).felt[0, 0]
+        assert asked == pytest.approx(met, abs=0.1)
+
+
+def test_batch_finds_the_level_at_threshold(cells):
+    """The observer feels exactly the levels above 0 dB."""
+    cell = cells[0]
+    table = level_table(cell)
+    made = tracks(cell.procedure.rule, np.zeros((1, 100)), table)
+    at_zero = np.interp(0.0, table.felt[0], table.levels)
+    last = made.levels[0, : made.n_trials[0]][-8:]
+    assert last.min() - 1.0 <= at_zero <= last.max() + 1.0

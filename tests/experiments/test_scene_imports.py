@@ -8,33 +8,12 @@ import sys
 import pytest
 from places import ROOT
 from scene_cases import ELECTROVIBRATION, TIME_REVERSAL
-from scene_studies import EFFECT_LINES, FOCI, SHORT, scene
-from study_texts import changed
+from scene_studies import FOCI, scene
 
 from tactometry.loading import resolve
 from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_TIME_REVERSAL
 
 CASES = {**ELECTROVIBRATION, **TIME_REVERSAL}
-
-
-def test_unused_effects_are_not_imported(tmp_path):
-    study = tmp_path / "s.toml"
-    text = changed(scene(*EFFECT_LINES.values(), '{ kind = "contact_area" }'), SHORT)
-    study.write_text(text, encoding="utf-8")
-    script = (
-        "import sys, json; from tactometry.cli import main\n"
-        "try: main()\n"
-        "finally: print(json.dumps(list(sys.modules)), file=sys.stderr)"
-    )
-    words = ["simulate", str(study), "--participants", "1", "--seed", "1", "--out", str(tmp_path / "d")]
-    result = subprocess.run([sys.executable, "-I", "-c", script, *words], capture_output=True, text=True, check=False)
-    assert result.returncode == 0, result.stderr
-    modules = set(json.loads(result.stderr.splitlines()[-1]))
-    stated = {"force_law", "friction", "sensitivity", "contact_area", "skin_mobility"}  # that by default
-    by_kind = {kind: EFFECTS[kind].partition(":")[0] for kind in OF_ELECTROVIBRATION}
-    assert {kind for kind, module in by_kind.items() if module in modules} == stated
-    assert not {name for name in modules if name.endswith(("motion.finger", "motion.pad", "motion.stick_slip"))}
-    assert "tactometry.stimuli.electrovibration.sensation" not in modules
 
 
 def inline(kind):
@@ -46,7 +25,6 @@ SLOTS = {"dry_friction": "friction", "receptors": "sensitivity", "summation": "s
 
 
 def with_company(kind):
-    """Return an effect and those that it requires to be felt."""
     needs = CASES[kind][1] if kind in CASES else ()
     return ({kind, *needs, "force_law", "friction", "sensitivity"} - {SLOTS.get(kind)}) - {"plain"}
 
@@ -81,6 +59,7 @@ def test_study_imports_only_effects_of_its_scene(loaded, kind):
     stated, modules = loaded
     found = {name for name in (*PANEL_KINDS, *OTHERS) if EFFECTS[name].partition(":")[0] in modules[kind]}
     assert found - ALWAYS == stated[kind] - ALWAYS
+    assert "tactometry.stimuli.electrovibration.sensation" not in modules[kind]
 
 
 @pytest.mark.parametrize("kind", UNFELT)

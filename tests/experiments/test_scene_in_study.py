@@ -6,7 +6,7 @@ import electrovibration_formula
 import hybrid_formula
 import pytest
 import time_reversal_formula
-from command_line import call, output
+from command_line import output, refused
 from places import DOCS, ROOT
 from scene_studies import EFFECT_LINES, SHORT, TUTORIAL, scene
 from study_texts import changed, wired
@@ -112,12 +112,6 @@ def test_each_effect_of_a_scene_is_felt():
     assert felt_db(scene(*other)) - plain_db == pytest.approx(6.0206, abs=1e-3)
 
 
-def test_built_in_scene_takes_the_study_tone():
-    kinds = ("skin_leakage", "contact_area", "friction_lag")
-    stated = scene(*EFFECT_LINES.values(), *(f'{{ kind = "{kind}" }}' for kind in kinds))
-    assert felt_db(named("electrovibration-panel")) == felt_db(stated)
-
-
 def test_scene_file_equals_its_tables(tmp_path):
     effects, surface = ", ".join(EFFECT_LINES.values()), '{ insulator_thickness_m = "2 um" }'
     file = tmp_path / "mine.toml"
@@ -131,9 +125,8 @@ def test_scene_file_equals_its_tables(tmp_path):
     assert wired(named(file)).felt == told
 
 
-def test_surface_keys_equal_those_of_scene_file():
-    thicker = felt_db(scene(surface='{ insulator_thickness_m = "2 um" }'))
-    assert thicker < felt_db(scene())
+def test_thicker_insulator_is_felt_less():
+    assert felt_db(scene(surface='{ insulator_thickness_m = "2 um" }')) < felt_db(scene())
 
 
 def test_variant_of_factor_changes_scene():
@@ -143,76 +136,50 @@ def test_variant_of_factor_changes_scene():
     assert len(felt_effects(wired(text))) == 2
 
 
-SENTENCES = {
-    "unknown key": (scene(acuracy=0.1), "scene.acuracy: found an unknown key"),
-    "unknown effect": (scene('{ kind = "frictoin" }'), "scene.effects[0].kind: found 'frictoin', expected one of "),
-    "effect of another surface": (
-        scene('{ kind = "one_bit" }'),
-        "scene.effects[0]: found 'one_bit', which 'electrovibration' does not support, expected an effect of ",
-    ),
-    "two of one kind": (
-        scene(*EFFECT_LINES.values(), '{ kind = "receptors" }'),
-        "scene.effects[2]: found 'sensitivity' with 'receptors', expected only one of them: ",
-    ),
-    "an effect without its need": (
+SENTENCES = [
+    (scene(acuracy=0.1), "scene.acuracy: found an unknown key"),
+    (scene('{ kind = "frictoin" }'), "scene.effects[0].kind: found 'frictoin', expected one of "),
+    (scene('{ kind = "one_bit" }'), "scene.effects[0]: found 'one_bit', which 'electrovibration' does not support"),
+    (scene(*EFFECT_LINES.values(), '{ kind = "receptors" }'), "scene.effects[2]: found 'sensitivity' with"),
+    (
         scene('{ kind = "masking", level_db_re_threshold = 25.0 }', *list(EFFECT_LINES.values())[:2]),
         "scene: outputs: found no stage or effect for 'sensation_db'",
     ),
-    "no threshold": (
-        scene(*list(EFFECT_LINES.values())[:2]),
-        "scene: outputs: found no stage or effect for 'sensation_db'",
-    ),
-    "no law": (scene(*list(EFFECT_LINES.values())[1:]), "add the effect force_law and name one of the four laws"),
-    "accuracy out of range": (
-        scene(accuracy=0.0),
-        "scene.accuracy: found 0.0, expected a number above 0 and at most 1",
-    ),
-    "accuracy out of reach": (scene(accuracy=1e-12), "loosen the accuracy"),
-    "what is played": (
-        scene('{ kind = "carrier" }'),
-        "scene.effects[0]: found 'carrier', which changes the played signal, expected effects of contact and sensation",
-    ),
-    "the tone": (
-        scene(surface="{ frequency_hz = 60 }"),
-        "scene.surface.frequency_hz: found a key of [stimulus], expected it only in [stimulus]; remove it",
-    ),
-    "another surface": (
+    (scene(*list(EFFECT_LINES.values())[:2]), "scene: outputs: found no stage or effect for 'sensation_db'"),
+    (scene(*list(EFFECT_LINES.values())[1:]), "add the effect force_law and name one of the four laws"),
+    (scene(accuracy=0.0), "scene.accuracy: found 0.0, expected a number above 0 and at most 1"),
+    (scene(accuracy=1e-12), "loosen the accuracy"),
+    (scene('{ kind = "carrier" }'), "scene.effects[0]: found 'carrier', which changes the played signal, expected"),
+    (scene(surface="{ frequency_hz = 60 }"), "scene.surface.frequency_hz: found a key of [stimulus], expected it only"),
+    (
         scene(surface='{ kind = "time_reversal" }'),
         "scene.surface.kind: found 'time_reversal', expected 'electrovibration', the surface of the stimulus; use "
         "[variants.FACTOR.LEVEL.scene] if levels of a factor have different surfaces",
     ),
-    "unknown scene": (
+    (
         named("electrovibration-panle"),
         "scene.name: found 'electrovibration-panle', expected a path or one of a4-screen, electrovibration-panel, "
         "hybrid-screen, thin-screen; did you mean 'electrovibration-panel'?",
     ),
-    "no scene file": (named(ROOT / "pyproject.toml"), "pyproject.toml, build-system: found an unknown key"),
-    "scene on a plate": (
-        named("a4-screen"),
-        "scene.name: found 'a4-screen', a scene on 'time_reversal', expected a scene on",
-    ),
-    "both": (
+    (named(ROOT / "pyproject.toml"), "pyproject.toml, build-system: found an unknown key"),
+    (named("a4-screen"), "scene.name: found 'a4-screen', a scene on 'time_reversal', expected a scene on"),
+    (
         named("electrovibration-panel", "effects = []\nsurface = { area_m2 = 1e-4 }\n"),
         "scene.name: found 'electrovibration-panel' next to surface or effects, expected one of the two",
     ),
-    "sensation too": (
-        scene() + "[sensation]\nreference_force_n = 1e-5\n",
-        "sensation: found a table next to [scene], expected only one of them",
-    ),
-    "at rest": (
+    (scene() + "[sensation]\nreference_force_n = 1e-5\n", "sensation: found a table next to [scene], expected only"),
+    (
         changed(scene(), {'kind = "slide"': 'kind = "press"', 'speed_m_per_s = "50 mm/s"\n': ""}),
         "touch.kind: found 'press' with a [scene], expected 'slide'",
     ),
-}
+]
 
 
-@pytest.mark.parametrize("name", SENTENCES)
-def test_imperceptible_scene_is_refused_before_playing(name, tmp_path, capsys):
-    text, sentence = SENTENCES[name]
+@pytest.mark.parametrize(("text", "sentence"), SENTENCES, ids=[sentence for _, sentence in SENTENCES])
+def test_imperceptible_scene_is_refused_before_playing(text, sentence, tmp_path, capsys):
     path = tmp_path / "s.toml"
     path.write_text(text, encoding="utf-8")
-    status, said, _ = call(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
-    assert status == 2
+    said = refused(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
     assert "s.toml, " in said
     assert sentence in said
     assert not (tmp_path / "d").exists()
@@ -235,15 +202,11 @@ def test_dry_run_lists_felt_and_omitted_effects(study, capsys):
     assert "effects force_law, friction, sensitivity, contact_area (predicted error" in words
     assert "receptors (instead of sensitivity) " in words
     assert "assumptions: no resistance of body and source" in words
-    assert (
-        "the prediction depends on the force law (one of four, which differ by a factor near 1000); the displacement"
-        in words
-    )
+    assert "the prediction depends on the force law (one of four, which differ by a factor near 1000); the" in words
     record = json.loads(output(capsys, "run", study, "--participant", "P01", "--dry-run", "--json"))
     (felt,) = record["felt"]
     changes = {each["effect"]: each["change_db"] for each in felt["left_out"]}
-    assert changes["friction_lag"] < 0
-    assert changes["skin_leakage"] < 0
+    assert max(changes["friction_lag"], changes["skin_leakage"]) < 0
     assert changes["air_gap"] is None
 
 
@@ -256,13 +219,6 @@ def test_simulation_with_scene_explains_and_replays(study, tmp_path, capsys):
     assert heads(journal)[0].facts["felt"] == told
     output(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "r.html")
     assert f"were perceived through these effects: {told}." in (tmp_path / "r.html").read_text(encoding="utf-8")
-    default = output(
-        capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", tmp_path / "e", "--explain"
-    )
-    assert (
-        "effects skin_leakage, contact_area, force_law, friction, friction_lag, skin_mobility, sensitivity"
-        in " ".join(default.split())
-    )
 
 
 def test_check_reports_felt_effects(study):

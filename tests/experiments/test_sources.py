@@ -46,7 +46,6 @@ def test_each_range_contains_its_default_and_is_wide_without_a_source(one):
 
 
 def numbers_of(thing):
-    """Return the names of the numeric fields of a dataclass."""
     return {one.name for one in fields(thing) if isinstance(getattr(thing, one.name), float)}
 
 
@@ -69,11 +68,8 @@ def test_code_of_the_table_calls_no_default_unverified():
 
 def test_scales_change_the_level_by_their_ratio(electrovibration):
     found = {one.parameter.key: one for one in electrovibration.influences}
-    for key, of_level in (
-        ("contact_area.area_at_1n_m2", 1),
-        ("friction.coefficient", 1),
-        ("sensitivity.reference_m", -1),
-    ):
+    signs = {"contact_area.area_at_1n_m2": 1, "friction.coefficient": 1, "sensitivity.reference_m": -1}
+    for key, of_level in signs.items():
         one = found[key]
         at_low_db = 20 * of_level * math.log10(one.parameter.low / one.parameter.value)
         assert one.at_low_db == pytest.approx(at_low_db, abs=1e-6), key

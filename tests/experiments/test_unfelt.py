@@ -4,49 +4,25 @@ import json
 
 import pytest
 from command_line import call, output
+from study_texts import TUTORIAL, changed
 
 AT_60_HZ = ["frequency_hz 60, force_n 0.5", "frequency_hz 60, force_n 1"]
 AT_240_HZ = ["frequency_hz 240, force_n 0.5", "frequency_hz 240, force_n 1"]
-WEAK = """name = "weak"
-title = "Weak"
-description = "Levels below threshold at 60 Hz."
-
-[factors]
-frequency_hz = [60, 240]
-force_n = [0.5, 1.0]
-
-[stimulus]
-kind = "amplitude_modulated"
-duration_s = "500 ms"
-
-[touch]
-kind = "slide"
-speed_m_per_s = "50 mm/s"
-tolerance = 0.2
-hold_s = "300 ms"
-timeout_s = "20 s"
-
-[task]
-kind = "forced_choice"
-n_intervals = 2
-
-[procedure]
-kind = "constant_stimuli"
-levels = {levels}
-repeats = 10
-
-[limits]
-voltage_peak_v = 100.0
-"""
+FORCED_CHOICE = {
+    "frequency_hz = [60, 240]": "frequency_hz = [60, 240]\nforce_n = [0.5, 1.0]",
+    "force_n = 1.0\n": "",
+    'kind = "yes_no"\ncatch_rate = 0.2': 'kind = "forced_choice"\nn_intervals = 2',
+    "repeats = 4": "repeats = 10",
+}
+WEAK = changed(TUTORIAL.partition("\n[observer]")[0], FORCED_CHOICE)
 
 
 @pytest.fixture
 def weak(tmp_path):
-    """Write the study with these levels."""
 
     def written(levels):
         path = tmp_path / "weak.toml"
-        path.write_text(WEAK.format(levels=levels))
+        path.write_text(changed(WEAK, {"[22, 28, 34, 40]": str(levels)}))
         return path
 
     return written
