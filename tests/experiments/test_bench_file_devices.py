@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 import pytest
 from benches import gain_toml
-from command_line import call, refused
+from command_line import call
 
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
@@ -114,9 +114,9 @@ def test_bench_devices_are_guarded_and_share_reader(tmp_path):
 def test_head_facts_survive_a_round_trip(tmp_path):
     """Facts are finite numbers, because JSON cannot represent infinity."""
     bench = read(tmp_path, WHOLE)
-    told = device_facts(bench, bench.devices(STUDY, TODAY))
-    assert msgspec.json.decode(msgspec.json.encode(told)) == told
-    assert not any(isinstance(value, float) and not math.isfinite(value) for value in told.values())
+    facts = device_facts(bench, bench.devices(STUDY, TODAY))
+    assert msgspec.json.decode(msgspec.json.encode(facts)) == facts
+    assert not any(isinstance(value, float) and not math.isfinite(value) for value in facts.values())
 
 
 def test_bench_is_null_without_a_file():
@@ -148,12 +148,6 @@ def test_an_old_calibration_is_a_failed_device(tmp_path, today, message):
     assert refused.value.exit_status == 3
 
 
-@pytest.mark.parametrize(("age", "owner"), [("90", r"output\.gain\.max_age_days"), ("60", r"force\.max_age_days")])
-def test_negative_calibration_age_is_refused(tmp_path, age, owner):
-    with pytest.raises(InvalidFile, match=f"{owner}: found -3, expected a whole number, at least 0"):
-        read(tmp_path, WHOLE.replace(f"max_age_days = {age}", "max_age_days = -3"))
-
-
 def test_packed_streams_have_no_ramps(tmp_path):
     board = '[output]\nkind = "packed"\npath = "board"\nn_channels = 32\nrate_hz = 1e6\n' + gain_toml("packed board")
     assert read(tmp_path, board).output.ramp_s == 0.0
@@ -171,14 +165,13 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (('"5 ms"', '"60 ms"'), "sensors.hand.delay_s: found 0.06, expected a number from 0 to 0.05"),
         (('"5 ms"', "-1"), r"sensors.hand.delay_s: found -1\.0, expected a number from 0 to 0.05"),
         (("n_channels = 3", "n_chanels = 3"), "sensors.hand.n_chanels: found an unknown key.*mean 'n_channels'"),
+        (("age_days = 90", "age_days = -3"), "output.gain.max_age_days: found -3, expected a whole number, at least 0"),
+        (("age_days = 60", "age_days = -3"), "force.max_age_days: found -3, expected a whole number, at least 0"),
         (("[limits]", "[limit]"), "limit: found an unknown key, expected one of screen, .*mean 'limits'"),
         (('"1 mA"', '"1 mV"'), "limits.current_peak_a: found '1 mV', expected a number in A"),
         (('"1 nF"', '"1 nf"'), "output.load.capacitance_f: found '1 nf', expected a number in F"),
         (("duty = 0.5", "duty = 2"), "limits.duty: found 2.0, expected at most 1"),
-        (
-            ('kind = "electrode"', 'kind = "finger"'),
-            "output.load.kind: found 'finger', expected one of electrode, piezo",
-        ),
+        (('kind = "electrode"', 'kind = "finger"'), "output.load.kind: found 'finger', expected one of electrode"),
         (("amplifier_gain = 50.0", "amplifier_gain = 0"), "output.gain.amplifier_gain: found 0.0, expected"),
         (('sensor = "hand"\nchannel = 2', 'sensor = "hnad"'), "force.sensor: found 'hnad', expected one of .*'hand'"),
         (("polynomial = [-0.5, 0.01]\n", ""), "force: found none, or more than one, of newtons_per_count"),
@@ -186,15 +179,9 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
         (("[screen]", '[screen]\nlanguage = "it"'), "screen.language: found 'it', expected one of de, en, fr"),
         (("[screen]", "sensors.x = 1\n[screen]"), "sensors.x: found 1, expected a table"),
-        (
-            ("zero_counts = [100, 0]", "zero_counts = [1]"),
-            "position.zero_counts: found 1, expected one for each channel",
-        ),
+        (("zero_counts = [100, 0]", "zero_counts = [1]"), "position.zero_counts: found 1, expected one for each"),
         (("metres_per_count = 1e-6", "metres_per_count = 0"), "position.metres_per_count: found 0.0, expected"),
-        (
-            ("channels = [0, 1]\nmetres", "channels = []\nmetres"),
-            "position.channels: found none, expected at least one",
-        ),
+        (("channels = [0, 1]\nmetres", "channels = []\nmetres"), "position.channels: found none, expected at least"),
     ],
 )
 def test_anything_else_is_refused_in_one_sentence(tmp_path, change, message):
@@ -203,51 +190,39 @@ def test_anything_else_is_refused_in_one_sentence(tmp_path, change, message):
         read(tmp_path, WHOLE.replace(*change))
 
 
-@pytest.mark.parametrize("channels", [[], [0, 0], [0, -1]])
-def test_an_outlet_of_a_card_is_named_once(channels):
-    with pytest.raises(InvalidParameter, match=r"^output\.channels: found .*expected at least one channel, from 0"):
-        parse_bench({"output": {"kind": "audio", "rate_hz": 48e3, "device": "x", "channels": channels}})
+AUDIO = {"kind": "audio", "device": "x", "rate_hz": 48e3}
+NI = {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}
+PACKED = {"kind": "packed", "path": "x", "rate_hz": 48e3, "n_channels": 1}
+UDP = {"kind": "udp", "address": "127.0.0.1", "rate_hz": 1e3}
+SERIAL = {"kind": "serial", "port": "x", "rate_hz": 1e3}
 
 
 @pytest.mark.parametrize(
-    ("part", "table", "name", "value"),
+    ("part", "table", "values"),
     [
-        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "rate_hz", 0),
-        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "block_s", 0),
-        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "latency_s", -1),
-        ("output", {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}, "range_v", 0),
-        ("output", {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}, "rate_hz", -1),
-        ("output", {"kind": "ni", "rate_hz": 48e3}, "channels", []),
-        ("output", {"kind": "ni", "rate_hz": 48e3}, "channels", ["Dev1/ao0", "Dev1/ao0"]),
-        ("output", {"kind": "packed", "path": "x", "rate_hz": 48e3}, "n_channels", 0),
-        ("output", {"kind": "packed", "path": "x", "n_channels": 1}, "rate_hz", 0),
-        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "n_channels", 0),
-        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "block_s", 0),
-        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "latency_s", -1),
-        ("sensors.s", {"kind": "lsl", "stream": "x", "rate_hz": 1e3}, "n_channels", -3),
-        ("sensors.s", {"kind": "lsl", "stream": "x"}, "rate_hz", 0),
-        ("sensors.s", {"kind": "serial", "port": "x", "rate_hz": 1e3}, "baud", 0),
-        ("sensors.s", {"kind": "serial", "port": "x", "rate_hz": 1e3}, "n_channels", 0),
-        ("sensors.s", {"kind": "udp", "address": "127.0.0.1", "rate_hz": 1e3}, "sensor_rate_hz", 0),
-        ("sensors.s", {"kind": "udp", "address": "127.0.0.1", "rate_hz": 1e3}, "port", 70_000),
-        ("sensors.s", {"kind": "touch", "path": "x"}, "rate_hz", 0),
-        ("sensors.s", {"kind": "recorded", "path": "x", "rate_hz": 1e3}, "n_channels", 0),
+        ("output", AUDIO, {"rate_hz": [0], "block_s": [0], "latency_s": [-1], "channels": [[], [0, 0], [0, -1]]}),
+        ("output", NI, {"range_v": [0], "rate_hz": [-1], "channels": [[], ["Dev1/ao0", "Dev1/ao0"]]}),
+        ("output", PACKED, {"n_channels": [0], "rate_hz": [0]}),
+        ("sensors.s", AUDIO, {"n_channels": [0], "block_s": [0], "latency_s": [-1]}),
+        ("sensors.s", {"kind": "lsl", "stream": "x", "rate_hz": 1e3}, {"n_channels": [-3], "rate_hz": [0]}),
+        ("sensors.s", SERIAL, {"baud": [0], "n_channels": [0]}),
+        ("sensors.s", UDP, {"sensor_rate_hz": [0], "port": [70_000]}),
+        ("sensors.s", {"kind": "touch", "path": "x"}, {"rate_hz": [0]}),
+        ("sensors.s", {"kind": "recorded", "path": "x", "rate_hz": 1e3}, {"n_channels": [0]}),
     ],
 )
-def test_impossible_number_is_refused_with_the_file(part, table, name, value):
-    kept = {**table, name: value}
-    with pytest.raises(InvalidParameter, match=rf"^{part}\.{name}: found .*, expected "):
-        parse_bench({"sensors": {"s": kept}} if part == "sensors.s" else {part: kept})
+def test_impossible_number_is_refused_with_the_file(part, table, values):
+    for name, value in ((name, value) for name, each in values.items() for value in each):
+        changed = {**table, name: value}
+        with pytest.raises(InvalidParameter, match=rf"^{part}\.{name}: found .*, expected "):
+            parse_bench({"sensors": {"s": changed}} if part == "sensors.s" else {part: changed})
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         (("channel = 2", "channel = 3"), "force.channel: found 3, expected a channel of lsl force, from 0 to 2"),
-        (
-            ("channels = [0, 1]\nmetres", "channels = [0, -1]\nmetres"),
-            "position.channels: found -1, expected a channel of lsl force, from 0",
-        ),
+        (("channels = [0, 1]\nmetres", "channels = [0, -1]\nmetres"), "position.channels: found -1, expected a"),
     ],
 )
 def test_unknown_sensor_channel_is_refused(tmp_path, change, message):
@@ -282,10 +257,3 @@ def test_unplayable_study_opens_no_window(tmp_path, capsys, settings, wanted):
     bench.write_text(f'[output]\nkind = "audio"\ndevice = "x"\nungated = true\n{settings}\n{calibrated}')
     status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
     assert (status, wanted in said, "nothing was played" in said) == (3, True, True), said
-
-
-def test_missing_responses_end_session_before_window(tmp_path, capsys):
-    bench = tmp_path / "bench.toml"
-    bench.write_text('[time_reversal]\nresponses = "nothing.npz"\n')
-    said = refused(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
-    assert "nothing.npz: " in said

@@ -27,15 +27,8 @@ def test_force_sensor_is_calibrated_by_weights(calibrate, tmp_path, artefacts):
         device.close()
     assert read_once.returncode == 2
     assert "neither rise nor fall with the weights" in read_once.stderr
-    typed = [
-        "--weights-kg",
-        "0,0.05,0.1,0.2,0.5",
-        "--counts",
-        "12,110,208.5,404,995",
-        "--figure",
-        artefacts / "force.png",
-    ]
-    done = calibrate(*base, *typed)
+    typed = ["--weights-kg", "0,0.05,0.1,0.2,0.5", "--counts", "12,110,208.5,404,995"]
+    done = calibrate(*base, *typed, "--figure", artefacts / "force.png")
     assert done.returncode == 0, done.stderr
     bench = parse_bench(tomllib.loads(port + done.stdout))
     assert bench.force.calibration.force_n(np.array([12.0, 995.0])) == pytest.approx([0.0, 4.903], abs=0.02)
@@ -84,67 +77,46 @@ def test_gain_calibration_plays_tones_and_requests_voltages(calibrate, alsa, tmp
     assert "--measured-v: found '1,x', expected numbers" in refused.stderr
 
 
-def test_display_is_measured_by_its_bar(calibrate):
-    assert calibrate("display", "--bar-m", "0.149").stdout == "[screen]\nheight_m = 0.298\n"
-
-
-WEIGH = ["force", "--bench", "s.toml", "--by", "Z", "--channel", 2, "--weights-kg", "0,0.1,0.2,0.3"]
-LEARN = ["responses", "--bench", "s.toml", "--by", "Z", "--sensor", "hand", "--units-per-count", 1]
-LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
+LEARN = "responses --bench s.toml --by Z --sensor hand --units-per-count 1 --volts-per-count 1 --voltage-v 1"
+FORCE = "force --by Z --bench s.toml --weights-kg"
+GAIN = "gain --by Z --bench s.toml"
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("words", "message"),
     [
-        (["display", "--bar-m", "-1"], "display: found a bar of -1.0 m"),
+        ("display --bar-m -1", "display: found a bar of -1.0 m"),
+        ("display --bar-m 0.1 --write", "--write: found no bench file, expected --bench FILE, the file"),
+        ("force --by Z --bench b.toml --weights-kg a,b", "--weights-kg: found 'a,b', expected numbers"),
+        ("force --by Z --bench b.toml --weights-kg 1,2,3", "--sensor: found '', expected one of"),
+        (f"{FORCE} 1,2,3 --channel 3 --counts 1,2,3", "--channel: found 3, expected a channel of "),
+        (f"{FORCE} 1,2", "--weights-kg: found 2, expected at least 3 for a polynomial of degree 1"),
+        (f"{FORCE} 1,2,3 --figure f.xyz", "--figure: found 'f.xyz', expected a name that ends in .png, .pdf, .svg"),
         (
-            ["force", "--bench", "b.toml", "--by", "Z", "--weights-kg", "a,b"],
-            "--weights-kg: found 'a,b', expected numbers",
-        ),
-        (["force", "--bench", "b.toml", "--by", "Z", "--weights-kg", "1,2,3"], "--sensor: found '', expected one of"),
-        (
-            ["force", "--bench", "s.toml", "--by", "Z", "--channel", 3, "--weights-kg", "1,2,3", "--counts", "1,2,3"],
-            "--channel: found 3, expected a channel of ",
-        ),
-        (
-            ["force", "--bench", "s.toml", "--by", "Z", "--weights-kg", "1,2"],
-            "--weights-kg: found 2, expected at least 3 for a polynomial of degree 1",
-        ),
-        (
-            ["force", "--bench", "s.toml", "--by", "Z", "--weights-kg", "1,2,3", "--figure", "f.xyz"],
-            "--figure: found 'f.xyz', expected a name that ends in .png, .pdf, .svg",
-        ),
-        (
-            ["gain", "--bench", "s.toml", "--by", "Z", "--parts", "0.1,2"],
-            "--parts: found 2, expected fractions of full",
-        ),
-        ([*LEARN, "--out", "x"], "--out: found 'x', expected a name that ends in .npz"),
-        ([*LEARN, "--out", "no/x.npz"], "--out: found 'no/x.npz', expected .* in an existing folder"),
-        (
-            [*LEARN, "--out", "x.npz"],
-            "--band-hz: found up to 70000 Hz, expected at most 500 Hz, half the rate of 'hand'",
-        ),
-        (["gain", "--bench", "s.toml", "--by", " "], "--by: found an empty text, expected initials"),
-        (["gain", "--bench", "b.toml", "--by", "Z"], r"output\.gain: found none, expected volts_per_unit and"),
-        (
-            ["gain", "--bench", "s.toml", "--by", "Z", "--measured-v", "4.1,20.2,20.1"],
-            "found 20.2 V at 0.05 of full scale, 68.0% off the line through zero, expected at most 5%; measure",
-        ),
-        (
-            [*WEIGH, "--counts", "100,200,330,400", "--residual-at-most", "0.01"],
+            f"{FORCE} 0,0.1,0.2,0.3 --channel 2 --counts 100,200,330,400 --residual-at-most 0.01",
             "found 330 counts at 0.2 kg, off the fit by 6.5% of the largest force, expected at most 1%; weigh",
         ),
-        (["display", "--bar-m", "0.1", "--write"], "--write: found no bench file, expected --bench FILE, the file"),
+        (f"{LEARN} --out x", "--out: found 'x', expected a name that ends in .npz"),
+        (f"{LEARN} --out no/x.npz", "--out: found 'no/x.npz', expected .* in an existing folder"),
+        (f"{LEARN} --out x.npz", "--band-hz: found up to 70000 Hz, expected at most 500 Hz, half the rate of 'hand'"),
+        (f"{GAIN} --parts 0.1,2", "--parts: found 2, expected fractions of full"),
+        ("gain --bench b.toml --by Z", r"output\.gain: found none, expected volts_per_unit and"),
+        (f"{GAIN} --measured-v 4.1,20.2,20.1", "found 20.2 V at 0.05 of full scale, 68.0% off the line through zero"),
     ],
 )
-def test_bad_calibration_is_refused_in_one_line(calibrate, tmp_path, arguments, message):
+def test_bad_calibration_is_refused_in_one_line(calibrate, tmp_path, words, message):
     (tmp_path / "b.toml").write_text("", encoding="utf-8")
     sensor = (
         "[output.gain]\nvolts_per_unit = 1.0\namplifier_gain = 1.0\n"
         '[sensors.hand]\nkind = "lsl"\nstream = "force"\nrate_hz = 1000\nn_channels = 3\n[limits]\nvoltage_peak_v = 1\n'
     )
     (tmp_path / "s.toml").write_text(sensor, encoding="utf-8")
-    result = calibrate(*arguments)
+    result = calibrate(*words.split())
     assert result.returncode == 2
     assert re.search(message, result.stderr)
     assert "\n" not in result.stderr
+
+
+def test_calibration_needs_an_author(calibrate, tmp_path):
+    (tmp_path / "s.toml").write_text("[output.gain]\nvolts_per_unit = 1.0\namplifier_gain = 1.0\n", encoding="utf-8")
+    assert "--by: found an empty text, expected initials" in calibrate("gain", "--bench", "s.toml", "--by", " ").stderr

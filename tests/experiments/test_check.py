@@ -40,17 +40,6 @@ SERIAL = '[sensors.hand]\nkind = "serial"\nrate_hz = 1000\nn_channels = 3\nport 
 FORCE = '[force]\nsensor = "hand"\nchannel = 2\nnewtons_per_count = 0.01\n'
 
 
-def checked(tmp_path, bench, *more, env=None):
-    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    command = [sys.executable, "-m", "tactometry", "check", *more, "--bench", "bench.toml", "--json", "--hands-off"]
-    result = subprocess.run(
-        command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=LONGEST_PROGRAM_S, check=False
-    )
-    assert result.stdout, result.stderr
-    findings = {(each["part"], each["what"]): each for each in json.loads(result.stdout)["findings"]}
-    return result.returncode, findings
-
-
 def test_check_tries_sensor_and_card_together(tmp_path, display, in_background, alsa):
     if importlib.util.find_spec("sounddevice") is None or not available("serial"):
         pytest.skip("no sounddevice or no pyserial: extras audio, serial")
@@ -66,26 +55,20 @@ def test_check_tries_sensor_and_card_together(tmp_path, display, in_background, 
         bench = SCREEN + AUDIO + GAIN + LOAD + limits + SERIAL.format(port=device.port) + FORCE
         env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
         (tmp_path / "tutorial.toml").write_text(TUTORIAL, "utf-8")
-        status, findings = checked(tmp_path, bench, "tutorial.toml", env=env)
+        (tmp_path / "bench.toml").write_text(bench, "utf-8")
+        words = ("check", "tutorial.toml", "--bench", "bench.toml", "--json", "--hands-off")
+        command, options = [sys.executable, "-m", "tactometry", *words], {"capture_output": True, "text": True}
+        done = subprocess.run(command, cwd=tmp_path, env=env, timeout=LONGEST_PROGRAM_S, check=False, **options)
     finally:
         ended.set()
         device.close()
-    assert status == 3, findings
+    assert done.returncode == 3, done.stderr
+    findings = {(each["part"], each["what"]): each for each in json.loads(done.stdout)["findings"]}
     assert ("sensor hand", "failed") not in findings, findings
-    expected = {
-        ("study", "tutorial.toml"),
-        ("computer", "blas threads"),
-        ("disk", "free"),
-        ("disk", "time to write a record to disk"),
-        ("display", "frame period"),
-        ("display", "dropped frames"),
-        ("display", "key to record"),
-        ("sensor hand", "rate"),
-        ("sensor hand", "latency, median"),
-        ("force", "noise, sd"),
-        ("output", "underruns"),
-    }
-    assert expected <= findings.keys()
+    expected = {"study": "tutorial.toml", "computer": "blas threads", "force": "noise, sd", "output": "underruns"}
+    more = {("disk", "free"), ("disk", "time to write a record to disk"), ("sensor hand", "latency, median")}
+    assert {*expected.items(), *more, ("sensor hand", "rate")} <= findings.keys()
+    assert {("display", what) for what in ("frame period", "dropped frames", "key to record")} <= findings.keys()
     assert findings["display", "size"]["found"] == "1280 x 800 px"
     assert findings["display", "key to record"]["found"].endswith("of 3 keys")
     assert findings["sensor hand", "opened"]["fine"]
@@ -160,25 +143,29 @@ def test_ungated_bench_is_not_fine(tmp_path):
     assert exit_status(failed) == 1
 
 
-def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
-    study = wire(parse(TUTORIAL.encode(), "tutorial"), "tutorial")
-    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 10.0\n')
-    found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
-    names = list(study.bank)
-    assert [each.what for each in found] == [f"strongest {name}" for name in names]
-    for each, name in zip(found, names, strict=True):
-        assert each.found.startswith(f"level 40 of {name}: limits.voltage_peak_v: found a peak of 95.")
+PRACTISED = replace(parse(TUTORIAL.encode(), "tutorial"), practice={"levels": [40.0]})
+
+
+@pytest.mark.parametrize(
+    ("numbers", "limit_v", "n_stimuli", "found"),
+    [
+        (parse(TUTORIAL.encode(), "tutorial"), 10.0, 2, "limits.voltage_peak_v: found a peak of 95."),
+        (PRACTISED, 60.0, 2, ""),
+        (load_numbers("electrovibration-threshold")[0], 20.0, 7, ""),
+    ],
+    ids=["procedure", "practice", "shared by conditions"],
+)
+def test_each_stimulus_that_passes_a_limit_is_named(tmp_path, numbers, limit_v, n_stimuli, found):
+    study = wire(numbers, "s.toml")
+    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = {limit_v}\n')
+    findings = list(devices(bench, study.study.limits, study, hands_off=False))
+    strongest = [each for each in findings if each.what.startswith("strongest")]
+    assert [each.what for each in strongest] == [f"strongest {name}" for name in study.bank]
+    assert len(strongest) == n_stimuli
+    for each, name in zip(strongest, study.bank, strict=True):
+        level = study.bounds(name)[1]
+        assert each.found.startswith(f"level {level:g} of {name}: {found}")
         assert (each.fine, each.device) == (False, True)
-
-
-def test_too_strong_practice_stimulus_is_named(tmp_path):
-    """Practice levels are checked as well as those of the procedure."""
-    numbers = parse(TUTORIAL.encode(), "tutorial")
-    study = wire(replace(numbers, practice={"levels": [40.0]}), "tutorial")
-    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 60.0\n')
-    found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
-    assert [each.fine for each in found] == [False] * len(study.bank)
-    assert all(each.found.startswith("level 40 of ") for each in found)
 
 
 @pytest.mark.parametrize("hands_off", [False, True])
@@ -186,18 +173,10 @@ def test_missing_limits_are_reported_once(tmp_path, hands_off):
     """The message appears once for all conditions, also without a study."""
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS.replace("duration_s = 10.0", "").replace("session_s", "#"))
     for study in (None, wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")):
-        told = [each for each in devices(bench, bench.limits, study, hands_off=hands_off) if "limits" in each.found]
-        assert [each.found.partition(",")[0] for each in told] == ["limits: found no duration_s"]
-        assert "no session_s, expected them for a load of kind 'electrode'" in told[0].found
-        assert exit_status(told) == 3
-
-
-def test_conditions_share_strongest_stimulus(tmp_path):
-    study = wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")
-    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 200.0\n')
-    found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
-    assert [each.what for each in found] == [f"strongest {name}" for name in study.bank]
-    assert len(found) == 7 < len(study.cells) == 21
+        messages = [each for each in devices(bench, bench.limits, study, hands_off=hands_off) if "limits" in each.found]
+        assert [each.found.partition(",")[0] for each in messages] == ["limits: found no duration_s"]
+        assert "no session_s, expected them for a load of kind 'electrode'" in messages[0].found
+        assert exit_status(messages) == 3
 
 
 def load(folder, text):

@@ -61,22 +61,13 @@ def test_amplified_output_needs_a_gain(tmp_path, capsys, kind):
         ({"measured_by": ""}, r"\.measured_by: found none, expected the author"),
         ({"measured_with": None}, r"\.measured_with: found none, expected the output"),
         ({"measured_with": "audio Interface, int16"}, r"\.measured_with: found 'audio Interface, int16', expected '"),
-        (
-            {"system_volume": 0.5},
-            r"\.system_volume: found a measurement at a volume of 50 %, expected",
-        ),
-        (
-            {"measured_on": date(2025, 11, 20)},
-            ": found a calibration of 2025-11-20, 366 days old, expected at most 365",
-        ),
+        ({"system_volume": 0.5}, r"\.system_volume: found a measurement at a volume of 50 %, expected"),
+        ({"measured_on": date(2025, 11, 20)}, ": found a calibration of 2025-11-20, 366 days old, expected at most"),
     ],
 )
 def test_gain_needs_date_author_and_output(kind, change, message):
-    gain = {
-        key: value
-        for key, value in {**gain_table(CHAINS[kind]), "measured_on": TODAY, **change}.items()
-        if value is not None
-    }
+    whole = {**gain_table(CHAINS[kind]), "measured_on": TODAY, **change}
+    gain = {key: value for key, value in whole.items() if value is not None}
     with pytest.raises(DeviceFailed, match=rf"^output\.gain{message}.*nothing was played"):
         bench_of(kind, gain).devices(STUDY, TODAY)
 
@@ -94,37 +85,29 @@ def test_file_output_needs_no_gain():
 
 @pytest.mark.parametrize("device", ["", " ", "default", "Default", "sysdefault"])
 def test_sound_card_needs_a_name(device):
-    for tables in (
-        {"output": {**OUTPUTS["audio"], "device": device}},
-        {"sensors": {"s": {**OUTPUTS["audio"], "device": device}}},
-    ):
+    card = {**OUTPUTS["audio"], "device": device}
+    for tables in ({"output": card}, {"sensors": {"s": card}}):
         with pytest.raises(InvalidParameter, match=r"\.device: found .*, expected the name of a card"):
             parse_bench(tables)
-    with pytest.raises(InvalidParameter, match=r"^output\.device: found no such key, expected a text"):
-        parse_bench({"output": {"kind": "audio", "rate_hz": 192e3}})
 
 
 RECORDED = {"hand": {"kind": "recorded", "path": "old.csv", "rate_hz": 1e3}}
 
 
 @per_kind
-def test_touched_output_is_gated_by_a_finger_sensor(kind):
-    gain = {**gain_table(CHAINS[kind]), "measured_on": TODAY}
-    alone = bench_of(kind, gain, screen={})
-    with pytest.raises(
-        InvalidParameter, match=r"^force: found none, expected a force sensor .*ungated = true in .output"
-    ):
-        alone.devices(STUDY, TODAY)
-    assert alone.devices(STUDY, TODAY, touched=False).force is None
-    recorded = bench_of(kind, gain, sensors=RECORDED, force=FORCE["force"])
-    with pytest.raises(
-        InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which cannot detect a finger"
-    ):
-        recorded.devices(STUDY, TODAY)
-    with pytest.raises(
-        InvalidParameter, match=r"^output\.ungated: found true together with .force., expected only one of them"
-    ):
-        bench_of(kind, gain, {"ungated": True}).devices(STUDY, TODAY)
+@pytest.mark.parametrize(
+    ("output", "tables", "message"),
+    [
+        ({}, {"screen": {}}, r"^force: found none, expected a force sensor .*ungated = true in .output"),
+        ({}, {"sensors": RECORDED, "force": FORCE["force"]}, r"^force\.sensor: found 'hand', a recording, which"),
+        ({"ungated": True}, FORCE, r"^output\.ungated: found true together with .force., expected only one of them"),
+    ],
+)
+def test_touched_output_is_gated_by_a_finger_sensor(kind, output, tables, message):
+    bench = bench_of(kind, {**gain_table(CHAINS[kind]), "measured_on": TODAY}, output, **tables)
+    with pytest.raises(InvalidParameter, match=message):
+        bench.devices(STUDY, TODAY)
+    assert (bench.devices(STUDY, TODAY, touched=False).force is None) is ("force" not in tables)
 
 
 @per_kind

@@ -3,7 +3,7 @@
 import pytest
 from command_line import call
 from PIL import Image
-from study_texts import TUTORIAL
+from study_texts import TUTORIAL, changed
 
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.rehearsal import page_images
@@ -20,6 +20,7 @@ sensor = "hand"
 newtons_per_count = 0.01
 """
 WAV = """
+[stimulus]
 kind = "wav"
 path = "missing.wav"
 sha256 = ""
@@ -39,14 +40,10 @@ NEEDS = {
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    tutorial = TUTORIAL
-    (tmp_path / "image.toml").write_text(f'{tutorial}\n[images.welcome]\npath = "missing.png"\nsha256 = "{"0" * 64}"\n')
-    before, stimulus, after = tutorial.partition("[stimulus]\n")
-    rest = after[after.index("\n[") :].replace("force_n = 1.0", "")
-    assert stimulus
-    (tmp_path / "wav.toml").write_text(
-        f"{before[: before.index('[factors]')]}[factors]\nforce_n = [0.5, 1.0]\n\n{stimulus}{WAV}{rest}"
-    )
+    (tmp_path / "image.toml").write_text(f'{TUTORIAL}\n[images.welcome]\npath = "missing.png"\nsha256 = "{"0" * 64}"\n')
+    stimulus = TUTORIAL[TUTORIAL.index("[stimulus]") : TUTORIAL.index("[touch]")]
+    changes = {"frequency_hz = [60, 240]": "force_n = [0.5, 1.0]", "force_n = 1.0\n": "", stimulus: WAV}
+    (tmp_path / "wav.toml").write_text(changed(TUTORIAL, dict(reversed(changes.items()))))
     return tmp_path
 
 

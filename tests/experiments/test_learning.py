@@ -28,8 +28,6 @@ class DeviceUnderTest:
 
     Noise is added. Channel 0 is the point on the plate. Channel 1 records the drive, whichever channel plays it, after
     the delay of both converters.
-
-    Channel 0 is the point on the plate; channel 1 hears the drive, whichever channel plays it, late by both converters.
     """
 
     name, n_channels, limits = "device under test", 2, None
@@ -95,7 +93,6 @@ SHORT = Learning(sequence(8, rate_hz=10e3), 1.0, (0,), 0.01)
 
 
 def wire_of(gain):
-    """Return a plate that multiplies the drive by a factor."""
     return DeviceUnderTest(Responses(np.array([[[gain]]]), 10e3), np.random.default_rng(0), noise_db=80.0)
 
 
@@ -188,17 +185,16 @@ def test_real_loopback_is_learned_as_a_wire(sink, tmp_path, artefacts):
     The signal passes PortAudio, PulseAudio's sink and its monitor.
     """
     (tmp_path / "bench.toml").write_text(LOOPBACK, encoding="utf-8")
-    arguments = ["--sensor", "card", "--reference-output", 1, "--units-per-count", 1e-6, "--volts-per-count", 20.0]
-    arguments += ["--quantity", "displacement", "--voltage-v", 5.0, "--band-hz", 200, 20000, "--sequence-order", 14]
-    arguments += ["--duration-s", 0.01, "--out", "learnt.npz", "--figure", artefacts / "learnt.png", "--by", "ZG"]
+    words = (
+        "--sensor card --reference-output 1 --units-per-count 1e-6 --volts-per-count 20 --quantity displacement "
+        "--voltage-v 5 --band-hz 200 20000 --sequence-order 14 --duration-s 0.01 --out learnt.npz --by ZG --figure"
+    )
+    arguments = [*words.split(), artefacts / "learnt.png"]
     refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert (
         refused.returncode,
         "--hands-off: found no confirmation, expected one before a sweep" in refused.stderr,
-    ) == (
-        2,
-        True,
-    )
+    ) == (2, True)
     arguments += ["--hands-off", "--write"]
     for _ in range(5):  # a busy computer plays with gaps, and nothing is learned
         result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)

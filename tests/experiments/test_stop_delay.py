@@ -37,7 +37,6 @@ FORCE_OFF = 'limits.force_peak_n = "unlimited": this limit is switched off'
 
 
 def bench_of(kind="audio", limits=None, gain=None, **output):
-    """Return a bench with an ungated output to an amplifier."""
     table = {"kind": kind, **OUTPUTS[kind], "ungated": True, "gain": gain_table(CHAINS[kind]) | (gain or {}), **output}
     load = {"kind": "electrode", "capacitance_f": 1e-9}
     return parse_bench({"output": {**table, "load": load}, "limits": LIMITS | (limits or {})})
@@ -45,7 +44,6 @@ def bench_of(kind="audio", limits=None, gain=None, **output):
 
 @pytest.fixture
 def unlimited(tmp_path):
-    """Write a study without a limit of force."""
     study = tmp_path / "s.toml"
     study.write_text(changed(TUTORIAL, {"[limits]\n": '[limits]\nforce_peak_n = "unlimited"\n'}))
     return study
@@ -59,32 +57,26 @@ def test_default_output_stops_within_the_limit(kind):
 
 
 @pytest.mark.parametrize(
-    ("output", "limits", "study_s", "found"),
+    ("latency_s", "block_s", "of_bench", "of_study", "found"),
     [
-        ({"latency_s": 10.0}, {}, None, "10.006 s, the limit is 0.1 s"),
-        ({"block_s": 1.0}, {}, None, "1.051 s, the limit is 0.1 s"),
-        ({"latency_s": 0.0941}, {}, None, "0.1001 s, the limit is 0.1 s"),
-        ({}, {"stop_within_s": 0.055}, None, "0.056 s, the limit is 0.055 s"),
-        ({}, {}, 0.055, "0.056 s, the limit is 0.055 s"),
-        ({"latency_s": 0.15}, {"stop_within_s": 0.2}, 0.12, "0.156 s, the limit is 0.12 s"),
+        (10.0, 0.005, {}, None, "10.006 s, the limit is 0.1 s"),
+        (0.05, 1.0, {}, None, "1.051 s, the limit is 0.1 s"),
+        (0.0941, 0.005, {}, None, "0.1001 s, the limit is 0.1 s"),
+        (0.05, 0.005, {"stop_within_s": 0.055}, None, "0.056 s, the limit is 0.055 s"),
+        (0.05, 0.005, {}, 0.055, "0.056 s, the limit is 0.055 s"),
+        (0.15, 0.005, {"stop_within_s": 0.2}, 0.12, "0.156 s, the limit is 0.12 s"),
+        (0.094, 0.005, {}, None, None),
+        (0.15, 0.005, {"stop_within_s": 0.2}, None, None),
+        (10.0, 0.005, {"stop_within_s": "unlimited"}, None, None),
     ],
 )
-def test_bench_refuses_output_that_stops_late(output, limits, study_s, found):
-    study = Limits(80.0, stop_within_s=study_s)
+def test_bench_refuses_output_that_stops_late(latency_s, block_s, of_bench, of_study, found):
+    bench, study = bench_of(limits=of_bench, latency_s=latency_s, block_s=block_s), Limits(80.0, stop_within_s=of_study)
+    if found is None:
+        assert bench.devices(study, TODAY).output.driver.connected
+        return
     with pytest.raises(LimitExceeded, match=rf"limits\.stop_within_s: found an output that may stop after {found}"):
-        bench_of(limits=limits, **output).devices(study, TODAY)
-
-
-@pytest.mark.parametrize(
-    ("output", "limits"),
-    [
-        ({"latency_s": 0.094}, {}),
-        ({"latency_s": 0.15}, {"stop_within_s": 0.2}),
-        ({"latency_s": 10.0}, {"stop_within_s": "unlimited"}),
-    ],
-)
-def test_bench_accepts_output_within_its_own_limit(output, limits):
-    assert bench_of(limits=limits, **output).devices(STUDY, TODAY).output.driver.connected
+        bench.devices(study, TODAY)
 
 
 def test_open_card_states_its_own_latency():
@@ -124,12 +116,8 @@ def test_check_shows_the_worst_case_stop(latency_s, fine):
     found = {each.what: each for each in devices(bench, STUDY, None, hands_off=False)}
     shown = found["worst-case stop, from the bench file"]
     assert (shown.found, shown.expected, shown.fine) == (f"{1e3 * latency_s + 6:.1f} ms", "at most 100 ms", fine)
-
-
-def test_check_states_the_current_of_a_stop():
-    found = {each.what: each for each in devices(bench_of(), STUDY, None, hands_off=False)}
-    shown = found["largest current of a stop, without a limit"]
-    assert shown.found == "8e-05 A from 80 V in 1 ms"  # 1 nF x 80 V / 1 ms
+    current = found["largest current of a stop, without a limit"]
+    assert current.found == "8e-05 A from 80 V in 1 ms"  # 1 nF x 80 V / 1 ms
 
 
 @pytest.mark.parametrize("table", ["bench", "study"])
@@ -195,11 +183,14 @@ def test_unlimited_stays_itself_in_copies_and_files():
     assert tomllib.loads(table_toml("gain", {"max_age_days": UNLIMITED})) == {"gain": {"max_age_days": "unlimited"}}
 
 
-def test_dry_run_warns_of_limits_switched_off(unlimited, tmp_path, capsys):
+def test_run_warns_of_limits_switched_off(unlimited, tmp_path, capsys, monkeypatch):
     bench = file_bench(tmp_path, 0.5)
     bench.write_text(bench.read_text().replace("[limits]", '[limits]\nforce_peak_n = "unlimited"'))
-    code, said, _ = call(capsys, "run", unlimited, "--participant", "P01", "--bench", bench, "--dry-run")
+    words = ("run", unlimited, "--participant", "P01", "--bench", bench)
+    code, said, _ = call(capsys, *words, "--dry-run")
     assert (code, said.splitlines()) == (0, [f"study, {FORCE_OFF}", f"bench file, {FORCE_OFF}"])
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    assert f"study, {FORCE_OFF}" in call(capsys, *words, "--rig", "console", "--out", tmp_path / "d")[1]
 
 
 def test_dry_run_refuses_output_that_stops_late(tmp_path, capsys):
@@ -210,13 +201,6 @@ def test_dry_run_refuses_output_that_stops_late(tmp_path, capsys):
     code, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--dry-run")
     assert (code, said.count("\n")) == (3, 0)
     assert "limits.stop_within_s: found an output that may stop after 10.006 s" in said
-
-
-def test_run_warns_of_limits_switched_off(unlimited, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("sys.stdin", io.StringIO())
-    to = ("--rig", "console", "--bench", file_bench(tmp_path, 0.5), "--out", tmp_path / "d")
-    _, said, _ = call(capsys, "run", unlimited, "--participant", "P01", *to)
-    assert f"study, {FORCE_OFF}" in said
 
 
 def test_check_warns_of_limits_switched_off(unlimited):
