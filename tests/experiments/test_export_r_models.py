@@ -19,10 +19,8 @@ HEADER = (
     "participant,session,study,block,trial,side,procedure,level,level_unit,task,response,correct,valid,item,item_b,"
     "target,level_measured"
 )
-CLASSES = {"magnitude": "lmerMod", "adjustment": "lmerMod", "measurement": "lmerMod", "preference": "BTm"} | {
-    "rating": "clmm",
-    "nasa-tlx": "lmerMod",
-}
+LINEAR = ("magnitude", "adjustment", "measurement", "nasa-tlx")
+CLASSES = dict.fromkeys(LINEAR, "lmerMod") | {"preference": "BTm", "attrakdiff": "clmm"}
 
 
 def has_packages() -> bool:
@@ -98,10 +96,7 @@ def test_r_export_states_alternatives_of_each_condition(tmp_path, capsys):
     output(capsys, "export", tmp_path / "trials.csv", "--to", "r", "--out", tmp_path / "r")
     found = models((tmp_path / "r/trials.R").read_text())
     assert [model.partition("mafc.probit(")[2][0] for model in found] == ["2", "4"]
-    assert [f'`side` == "{side}"' in model for side, model in zip(("right", "left"), found, strict=True)] == [
-        True,
-        True,
-    ]
+    assert all(f'`side` == "{side}"' in model for side, model in zip(("right", "left"), found, strict=True))
 
 
 @pytest.mark.parametrize(("form", "package"), [("attrakdiff", "ordinal::clmm("), ("nasa-tlx", "lme4::lmer(")])
@@ -124,8 +119,7 @@ def test_r_fits_the_model(tmp_path, task):
     (tmp_path / "r/tried.R").write_text(f"{script}\ncat(class(suppressWarnings({model})))\n")
     done = subprocess.run(["Rscript", "tried.R"], cwd=tmp_path / "r", capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    kind = CLASSES.get(task, "clmm" if task == "attrakdiff" else "glmerMod")
-    assert done.stdout.split()[0] == kind
+    assert done.stdout.split()[0] == CLASSES.get(task, "glmerMod")
 
 
 def test_r_script_reverses_answers_to_reversed_items(tmp_path):

@@ -13,10 +13,8 @@ from tactometry.experiments.sessions import in_memory
 from tactometry.experiments.sessions.in_memory import NOWHERE, simulated_session, simulated_trials, trials_of
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.sessions.simulation import Simulation
-from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.records.journal import read
-from tactometry.rigs import simulated
 
 STUDIES = ("tutorial", "time-reversal-patterns", "time-reversal-localisation", "hybrid-button")
 
@@ -80,24 +78,3 @@ def test_trials_in_memory_are_analysed_as_simulated(tmp_path, monkeypatch):
     assert analysis.origin.is_simulated
     assert len(analysis.table("thresholds")) == 4
     assert list(tmp_path.iterdir()) == []
-
-
-def test_sessions_share_what_they_render(monkeypatch):
-    made, render = [], simulated.render
-    monkeypatch.setattr(simulated, "render", lambda bank, *what: made.append(what[:2]) or render(bank, *what))
-    experiment = wire(load("tutorial")[0], "tutorial")
-    rows = simulated_trials(experiment, simulation("tutorial").sessions()).rows
-    assert len(set(rows["participant"])) == 2
-    assert len(made) == len(set(made)) > 0
-
-
-def test_process_wires_a_study_once():
-    assert simulation("tutorial").experiment() is simulation("tutorial").experiment()
-
-
-def test_sensation_levels_are_shared_between_participants():
-    experiment = wire(load("electrovibration-threshold")[0], "electrovibration-threshold")
-    (scene,) = {id(cell.sensation): cell.sensation.scene for cell in experiment.cells.values()}.values()
-    simulated_trials(experiment, [Who(f"P{n:02d}", seed=1) for n in range(1, 4)])
-    told = scene._of_signal.cache_info()
-    assert told.misses == told.currsize
