@@ -1,12 +1,13 @@
-"""Errors for journals with valid checksums and wrong content."""
+"""Errors for journals with valid checksums and wrong content, and for bytes after their end."""
 
 import json
 import shutil
+import tracemalloc
 import zlib
 from pathlib import Path
 
 import pytest
-from command_line import call
+from command_line import call, output, refused, status
 from hypothesis import given, settings, strategies as st
 from places import RECORDED
 from soak import SOAK
@@ -17,6 +18,7 @@ from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
+from tactometry.records.data_set import sessions
 from tactometry.records.journal import checksum, encode, read
 from tactometry.session.answer import Adjusted, Filled, Rated
 from tactometry.session.request import Adjust, Enter, Fill, Question, flaw
@@ -140,15 +142,11 @@ ANSWERS = {
 @pytest.mark.parametrize("wrong", ANSWERS)
 def test_forged_answer_of_another_kind_is_refused(tmp_path, capsys, wrong):
     name, request, place, value, message = ANSWERS[wrong]
-    if request == "Wait":
-        request = "Choose"
     line = n_of(RECORDED / name, request)
     root = forged(name, tmp_path, (line, place, value))
     with pytest.raises(InvalidFile, match=rf"line {line + 1}: found {message}".replace("+", r"\+")):
         read(journal_of(root))
-    status, said, _ = call(capsys, "replay", root)
-    assert status == 2
-    assert f"line {line + 1}: found" in said
+    assert f"line {line + 1}: found" in refused(capsys, "replay", root)
 
 
 @pytest.mark.parametrize(
@@ -181,8 +179,8 @@ def test_trial_without_a_key_has_the_default(tmp_path, capsys):
     tables = lines_of(journal_of(root))
     del tables[line]["asked"]["trial"]["onset_s"]
     write(journal_of(root), tables)
-    status, _, out = call(capsys, "validate", root)
-    assert status == 1
+    code, _, out = call(capsys, "validate", root)
+    assert code == 1
     assert "found a row that differs from the journal" in out
 
 
@@ -193,3 +191,69 @@ def test_adjusted_levels_may_exceed_bounds_by_rounding():
     assert flaw(Enter("x", 0.0), Rated(None, 0.0, 1.0)) is None
     assert flaw(Enter("x", 0.0), Rated(1e16, 0.0, 1.0)) == "the value 1e+16, expected from 0 to 1e+15"
     assert flaw(Fill("f", (Question("a", {}),), 1.0, 7.0, 7), Filled((None,), 0.0, 1.0)) is None
+
+
+# --- bytes after the end of a complete journal
+
+RUBBISH = {
+    "one byte": b"x",
+    "no newline": b"rubbish without newline",
+    "spaces": b"   ",
+    "zeros": bytes(4096),
+    "invalid text": b"\xff\xfe",
+    "torn line": b'{"event":"note","at',
+}
+LINES = {"newline": b"\n", "lines": b"a\nb\n", "line and rest": b"\r\n\0", "empty line and rest": b"\n\r"}
+WORDS = ("run", "tutorial", "--participant", "P01", "--rig", "simulated", "--seed", "1", "--out")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    root = tmp_path_factory.mktemp("recorded") / "d"
+    assert status(*WORDS, root) == 0
+    return root
+
+
+@pytest.fixture
+def journal(recorded, tmp_path):
+    (path,) = sessions(shutil.copytree(recorded, tmp_path / "d"))
+    return path
+
+
+@pytest.mark.parametrize("rubbish", RUBBISH | LINES)
+def test_validate_reports_bytes_after_end(journal, rubbish):
+    n_lines = journal.read_bytes().count(b"\n")
+    journal.write_bytes(journal.read_bytes() + (RUBBISH | LINES)[rubbish])
+    [defect] = validate(journal.parent.parent).defects
+    assert (defect.file, defect.row) == (f"journals/{journal.name}", n_lines + 1)
+    n_bytes = len(RUBBISH.get(rubbish, b""))
+    expected = f"found {n_bytes} byte{'s' * (n_bytes != 1)} after the" if n_bytes else "found a line after the"
+    assert f"{expected} end of the session, expected none" in defect.text
+
+
+@pytest.mark.parametrize("rubbish", RUBBISH)
+def test_rebuild_moves_bytes_after_end(capsys, journal, rubbish):
+    before = journal.read_bytes()
+    journal.write_bytes(before + RUBBISH[rubbish])
+    output(capsys, "rebuild", journal.parent.parent)
+    assert journal.read_bytes() == before
+    assert journal.with_name(f"{journal.stem}_interruptions.jsonl").stat().st_size > 0
+    assert validate(journal.parent.parent).defects == ()
+
+
+def test_resume_names_bytes_after_end(capsys, journal):
+    journal.write_bytes(journal.read_bytes() + b"rubbish")
+    code, said, _ = call(capsys, *WORDS, journal.parent.parent, "--resume")
+    assert code == 0
+    assert f"7 bytes after the end of the session are kept in {journal.stem}_interruptions.jsonl" in said
+
+
+def test_many_lines_after_end_need_little_memory(journal):
+    journal.write_bytes(journal.read_bytes() + b"\n" * 10_000_000)
+    tracemalloc.start()
+    try:
+        with pytest.raises(InvalidFile, match="found a line after the end"):
+            read(journal)
+        assert tracemalloc.get_traced_memory()[1] < 30e6
+    finally:
+        tracemalloc.stop()

@@ -11,6 +11,7 @@ from tutorial_session import EXPERIMENT, TOML, WHO, journal_of
 from wanting import Wanting
 
 from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.report.page import render
 from tactometry.experiments.data_sets.replaying import rebuild_data_set, replay_data_set
 from tactometry.experiments.data_sets.validation import validate
@@ -64,12 +65,8 @@ SAID = [
 def test_table_and_summary_state_interventions(wanted):
     root, said, recorded = wanted
     assert said == SAID
-    lost = [
-        (row["trial"], row["valid"], row["correct"])
-        for row in trial_rows(root)
-        if row["invalid_reason"] == "experimenter"
-    ]
-    assert lost == [("2", "0", ""), ("13", "0", "")]
+    lost = [row for row in trial_rows(root) if row["invalid_reason"] == "experimenter"]
+    assert [(row["trial"], row["valid"], row["correct"]) for row in lost] == [("2", "0", ""), ("13", "0", "")]
     assert recorded.endings == {"skipped": 2}
     n_invalid = sum(row["valid"] == "0" for row in trial_rows(root))
     assert str(recorded.tally) == f"16 trials, {n_invalid} of them not valid"
@@ -107,8 +104,6 @@ def test_forged_discarded_trial_is_found(lived):
 
 
 def test_retracted_trials_count_as_invalid(wanted):
-    from tactometry.analysis.reading.trials import read_trials, used_rows
-
     assert len(used_rows(read_trials(wanted[0]))) == sum(row["valid"] == "1" for row in trial_rows(wanted[0]))
 
 
@@ -120,15 +115,12 @@ def test_report_lists_interventions(wanted):
 
 def test_report_lists_orders_before_their_effects(wanted):
     course = analyse(wanted[0]).table("happenings")
-    told = [text for kind, text in zip(course["trial_type"], course["text"], strict=True) if kind == "order"]
-    assert told == ["invalidate trial 2", "rest", "skip", "invalidate trial 13", "end"]
-    assert [
-        text for kind, text in zip(course["trial_type"], course["text"], strict=True) if kind == "intervention"
-    ] == SAID
+    texts = {kind: list(rows["text"]) for kind, rows in course.groupby("trial_type")}
+    assert texts["order"] == ["invalidate trial 2", "rest", "skip", "invalidate trial 13", "end"]
+    assert texts["intervention"] == SAID
 
 
-def told(root):
-    """Return the rows without their times."""
+def untimed_rows(root):
     timed = ("onset_s", "latency_s", "timestamp_utc")
     return [{name: cell for name, cell in row.items() if name not in timed} for row in trial_rows(root)]
 
@@ -141,7 +133,7 @@ def test_interrupted_session_keeps_all_orders(tmp_path, wanted, stops_late):
         assert sit(root, stops_at=stops_at, stops_late=stops_late)[1] is None
         assert validate(root).defects == ()
         assert sit(root, resume=True)[1] is not None, stops_at
-        assert told(root) == told(wanted[0]), stops_at
+        assert untimed_rows(root) == untimed_rows(wanted[0]), stops_at
         said = [entry.request.said for entry in read(journal_of(root)).entries if isinstance(entry.request, Intervene)]
         assert said == SAID, stops_at
         assert (validate(root).defects, replay_data_set(root)[0].complete) == ((), True)

@@ -4,17 +4,15 @@ import io
 import json
 
 import pytest
-from command_line import call, output
+from command_line import call, output, refused
 from study_texts import TUTORIAL as CONSTANT_TUTORIAL
-from tables import event_rows, trial_rows
-
-from tactometry.experiments.data_sets.replaying import replay_data_set
-from tactometry.experiments.data_sets.validation import validate
+from tables import event_rows, is_sound, trial_rows
 
 TUTORIAL = CONSTANT_TUTORIAL.replace("[60, 240]", "[240]").replace("catch_rate = 0.2\n", "")
 ASK = 'on_miss = "ask"\n'
 NOT_FELT, FELT = "0\n" * 6, "1\n" * 3
 SAID = "the practice missed its criterion: "
+DECISION = "decision of the experimenter after missed practice criterion: P01"
 
 
 @pytest.fixture
@@ -31,14 +29,10 @@ def study(tmp_path):
 
 
 @pytest.mark.parametrize(("level", "is_missed"), [(-10.0, True), (39.9, False)])
-def test_run_reports_missed_practice(study, tmp_path, capsys, level, is_missed):
-    arguments = ("run", study(level), "--participant", "P01", "--rig", "simulated", "--seed", "3", "--out")
-    _, _, said = call(capsys, *arguments, tmp_path / "data")
+def test_run_and_analyse_report_missed_practice(study, tmp_path, capsys, level, is_missed):
+    session = ("run", study(level), "--participant", "P01", "--rig", "simulated", "--seed", "3", "--out")
+    said = output(capsys, *session, tmp_path / "session")
     assert ("the practice ended without meeting its criterion" in said) == is_missed
-
-
-@pytest.mark.parametrize(("level", "is_missed"), [(-10.0, True), (39.9, False)])
-def test_analyse_names_who_missed_practice(study, tmp_path, capsys, level, is_missed):
     arguments = ("simulate", study(level), "--participants", "2", "--seed", "3", "--out", tmp_path / "data")
     assert json.loads(output(capsys, *arguments, "--json"))["practice_missed"] == 2 * is_missed
     warnings = json.loads(output(capsys, "analyse", tmp_path / "data", "--json"))["warnings"]
@@ -69,7 +63,6 @@ def choices(root):
 
 
 def n_trials_of(root):
-    """Return the number of practice trials and of other trials."""
     flags = [row["practice"] for row in trial_rows(root)]
     return flags.count("1"), flags.count("0")
 
@@ -94,21 +87,14 @@ def test_experimenter_chooses_after_missed_practice(
     n_practised, n_tested = n_trials_of(root)
     assert (n_practised, n_tested > 0) == (n_practice, status == 0)
     assert ("the practice ended without meeting its criterion" in said) == is_missed
-    assert validate(root).defects == ()
-    assert [session.complete for session in replay_data_set(root)] == [True]
+    assert is_sound(root)
 
 
 @pytest.mark.parametrize(
     ("lines", "warned"),
     [
-        (f"{NOT_FELT}1\n{FELT}", ["decision of the experimenter after missed practice criterion: P01 again"]),
-        (
-            f"{NOT_FELT}1\n{NOT_FELT}2\n",
-            [
-                "practice criterion not met: P01",
-                "decision of the experimenter after missed practice criterion: P01 again, go on",
-            ],
-        ),
+        (f"{NOT_FELT}1\n{FELT}", [f"{DECISION} again"]),
+        (f"{NOT_FELT}1\n{NOT_FELT}2\n", ["practice criterion not met: P01", f"{DECISION} again, go on"]),
     ],
 )
 def test_analyse_reports_choices_after_missed_practice(study, tmp_path, capsys, monkeypatch, lines, warned):
@@ -128,7 +114,7 @@ def test_resumed_session_keeps_choice_after_missed_practice(study, tmp_path, cap
     assert status == 0, errors
     assert len(choices(root)) == 1
     assert n_trials_of(root)[0] == n_practice
-    assert validate(root).defects == ()
+    assert is_sound(root)
 
 
 def test_simulated_participant_goes_on_after_missed_practice(study, tmp_path, capsys):
@@ -139,7 +125,6 @@ def test_simulated_participant_goes_on_after_missed_practice(study, tmp_path, ca
     output(capsys, "replay", root)
 
 
-def test_unknown_choice_on_missed_practice_is_refused(study, tmp_path, capsys):
-    status, said, _ = call(capsys, "run", study(39.9, 'on_miss = "stop"\n'), "--participant", "P01", "--dry-run")
-    assert status == 2
+def test_unknown_choice_on_missed_practice_is_refused(study, capsys):
+    said = refused(capsys, "run", study(39.9, 'on_miss = "stop"\n'), "--participant", "P01", "--dry-run")
     assert "practice.on_miss: found stop, expected one of go_on, ask" in said.replace("'", "")

