@@ -1,30 +1,27 @@
-"""Questions about a person with custom choices, from the docs' examples."""
+"""Consent, and questions about a person with custom choices, from the docs' examples."""
 
 import io
 import json
 import re
-from importlib import import_module
 
 import pytest
 from command_line import call, output, refused
 from places import DOCS
 from study_texts import TUTORIAL as CONSTANT_TUTORIAL
-from tables import trial_rows
+from tables import is_sound, trial_rows
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
-from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
 from tactometry.questionnaire import NOT_SAID, load_choices, shipped_choices
 from tactometry.records.journal import read
 from tactometry.rigs.texts import languages, texts_in
-from tactometry.session.request import ABOUT, Choose
+from tactometry.session.request import ABOUT, Choose, Fill, Show
 
-SECTION = (
-    (DOCS / "reference" / "studies.md").read_text("utf-8").partition("### Consent, and questions about a person")[2]
-).partition("\n### ")[0]
+PAGE = (DOCS / "reference" / "studies.md").read_text("utf-8")
+SECTION = PAGE.partition("### Consent, and questions about a person")[2].partition("\n### ")[0]
 SHIPPED, OWN = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
 TUTORIAL = CONSTANT_TUTORIAL.replace("repeats = 4", "repeats = 1")
 CONSENT, _, INQUIRY = SHIPPED.partition("\n")
@@ -44,9 +41,17 @@ def simulated(study, tmp_path, capsys):
     return tmp_path / "d"
 
 
-def on_console(monkeypatch, capsys, study, root, lines):
+def on_console(monkeypatch, capsys, study, root, lines, *more):
     monkeypatch.setattr("sys.stdin", io.StringIO(lines))
-    return call(capsys, "run", study, "--participant", "P01", "--rig", "console", "--seed", 1, "--out", root)
+    words = ("run", study, "--participant", "P01", "--rig", "console", "--seed", 1, "--out", root, *more)
+    return call(capsys, *words)
+
+
+def pages_of(root):
+    [journal] = (root / "journals").glob("*_study-tutorial.jsonl")
+    names = {Show: "message", Choose: "question", Fill: "form"}
+    requests = [entry.request for entry in read(journal).entries if type(entry.request) in names]
+    return [getattr(request, names[type(request)]) for request in requests]
 
 
 def test_each_question_has_a_page_and_a_row(study, tmp_path, capsys, monkeypatch):
@@ -58,21 +63,44 @@ def test_each_question_has_a_page_and_a_row(study, tmp_path, capsys, monkeypatch
     rows = trial_rows(root)[: len(ITEMS)]
     assert [(row["item"], row["response"]) for row in rows] == list(zip(ITEMS, "3201", strict=True))
     assert {(row["task"], row["level"], row["trial"]) for row in rows} == {("rating", "", "1"), ("rating", "", "2")}
-    assert [session.complete for session in replay_data_set(root)] == [True]
+    assert is_sound(root)
+    first = ["welcome", "consent", "agree", "questions_first", f"{ABOUT}demographics.age_band"]
+    assert pages_of(root)[: len(first)] == first
 
 
 def test_stored_answer_is_not_requested_again(study, tmp_path, capsys, monkeypatch):
     root = tmp_path / "d"
     on_console(monkeypatch, capsys, study, root, "yes\n3\n2\n")  # the input ends at the third question
     assert [row["response"] for row in trial_rows(root)] == ["3", "2"]
-    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
-    run = ("run", study, "--participant", "P01", "--rig", "console", "--seed", 1, "--out", root, "--resume")
-    status, errors, _ = call(capsys, *run)
+    status, errors, _ = on_console(monkeypatch, capsys, study, root, "1\n" * 40, "--resume")
     assert status == 0, errors
-    [journal] = (root / "journals").glob("*_study-tutorial.jsonl")
-    requests = [entry.request for entry in read(journal).entries]
-    asked = [request.question for request in requests if isinstance(request, Choose)]
-    assert [name.rpartition(".")[2] for name in asked if name.startswith(ABOUT)] == ITEMS
+    assert [name.rpartition(".")[2] for name in pages_of(root) if name.startswith(ABOUT)] == ITEMS
+
+
+def test_session_asks_nothing_without_consent(study, tmp_path, capsys, monkeypatch):
+    root = tmp_path / "d"
+    status, _, said = on_console(monkeypatch, capsys, study, root, "no\n")
+    assert status == 1
+    assert "next: nothing to analyse: no block was finished" in said
+    assert "Your answers are kept under a code" in said
+    assert "Nothing else will be asked" in said
+    assert pages_of(root) == ["welcome", "consent", "agree", "declined"]
+    assert trial_rows(root) == []
+    assert is_sound(root)
+
+
+def test_refused_consent_leaves_other_data_readable(study, tmp_path, capsys, monkeypatch):
+    root = tmp_path / "d"
+    on_console(monkeypatch, capsys, study, root, "no\n")
+    for words in (("analyse", root), ("export", root, "--to", "psych-ds", "--out", tmp_path / "x")):
+        assert call(capsys, *words)[0] == 2, "there is nothing else"
+    status, _, _ = on_console(
+        monkeypatch, capsys, study, root, "yes\n3\n1\n0\n1\n" + "1\n" * 40, "--participant", "P02"
+    )
+    assert status == 0
+    assert "1 session without trials left out:" in output(capsys, "analyse", root)
+    for to in ("psychopy", "bids", "psych-ds"):
+        output(capsys, "export", root, "--to", to, "--out", tmp_path / to)
 
 
 def test_simulated_demographics_are_valid_and_counted(simulated, tmp_path, capsys):
@@ -109,10 +137,10 @@ def test_numeric_question_is_shown_and_documented(study, tmp_path, capsys, monke
     status, errors, said = on_console(monkeypatch, capsys, study, root, "yes\n3\n1\n0\n1\n1\n17\n37\n" + "1\n" * 40)
     assert status == 0, errors
     assert "Years? (a number from 18 to 99):" in said
-    assert (trial_rows(root)[4]["item"], trial_rows(root)[4]["response"]) == ("age_years", "37")
+    assert [row["response"] for row in trial_rows(root) if row["item"] == "age_years"] == ["37"]
     described = json.loads((root / "dataset_description.json").read_text("utf-8"))["description"]
     assert described.endswith("Answers could tell who a participant is: age_years.")
-    assert [session.complete for session in replay_data_set(root)] == [True]
+    assert is_sound(root)
 
 
 def test_skipped_number_is_empty_and_never_reported(study, tmp_path, capsys):
@@ -173,11 +201,7 @@ def test_question_file_is_embedded_in_the_study(tmp_path, capsys):
 
 FLAWS = [
     ('form = "demographics"\nafter = "start"', 'form = "demographics"', "inquiries.about.after: found 'session' with"),
-    (
-        'form = "habits"',
-        'form = "habits"\nprompt = "Well?"',
-        "inquiries.habits.prompt: found 'Well?', expected no value",
-    ),
+    ('form = "habits"', 'form = "habits"\nprompt = "Well?"', "inquiries.habits.prompt: found 'Well?', expected no"),
     ('form = "habits"', 'form = "habit"', "inquiries.habits.form: found 'habit', expected one of"),
     ("code = 2, words", "code = 1, words", "forms.habits: items[0].options[1].code: found 1, expected a whole number"),
     ("code = 2, words", "code = 0, words", "forms.habits: items[0].options[1].code: found 0, expected a whole number"),
@@ -191,16 +215,12 @@ FLAWS = [
 
 
 @pytest.mark.parametrize(("old", "new", "message"), FLAWS)
-def test_invalid_power_options_give_one_sentence(study, tmp_path, capsys, old, new, message):
+def test_flawed_question_is_refused_in_one_sentence(study, tmp_path, capsys, old, new, message):
     assert old in STUDY
     study.write_text(STUDY.replace(old, new), "utf-8")
     said = refused(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
     assert message in said
     assert not (tmp_path / "d").exists()
-
-
-def test_shipped_forms_are_package_data():
-    assert import_module("tactometry.questionnaires.choices").__file__ is not None
 
 
 def test_excluded_participant_is_in_no_category(simulated):

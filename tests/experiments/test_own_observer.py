@@ -1,6 +1,5 @@
 """Custom observers, whose code runs only where a user allowed it."""
 
-import json
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -41,24 +40,15 @@ def test_own_observer_answers_when_allowed(study, tmp_path, capsys):
     assert 0.75 < sum(answers) / len(answers) < 1.0  # 0.9, 0.03 of standard error
 
 
-def test_own_observer_answers_a_session(study, tmp_path, capsys):
-    words = ("run", study, "--participant", "P01", "--rig", "simulated", "--seed", "4", "--out")
-    assert call(capsys, *words, tmp_path / "d", "--allow-code")[0] == 0
-    code, said, _ = call(capsys, *words, tmp_path / "other")
-    assert code == 2
-    assert said.count("\n") == 0
-    assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
-    assert not (tmp_path / "other").exists()
-
-
 def test_own_observer_does_not_run_without_permission(study, tmp_path, capsys):
+    session = ("run", study, "--participant", "P01", "--seed", "4", "--rig")
+    output(capsys, *session, "simulated", "--out", tmp_path / "allowed", "--allow-code")
     (study.parent / "mine.py").write_text("raise SystemExit('it ran')\n")
-    code, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d")
-    assert code == 2
-    assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
+    for words in (("simulate", study, *ALL), (*session, "simulated")):
+        said = refused(capsys, *words, "--out", tmp_path / "d")
+        assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
     assert not (tmp_path / "d").exists()
-    words = ("run", study, "--participant", "P01", "--rig", "console", "--dry-run", "--allow-code")
-    assert call(capsys, *words)[0] == 0
+    output(capsys, *session, "console", "--dry-run", "--allow-code")
 
 
 def test_own_observer_data_are_read_without_code(study, tmp_path, capsys):
@@ -67,6 +57,7 @@ def test_own_observer_data_are_read_without_code(study, tmp_path, capsys):
     (study.parent / "mine.py").unlink()
     for words in (("validate", root), ("replay", root), ("analyse", root, "--report", tmp_path / "report.html")):
         assert call(capsys, *words)[0] == 0
+    assert "simulated participants" in (tmp_path / "report.html").read_text("utf-8").lower()
     (journal, *_) = sorted(root.glob("journals/*"))
     head = journal.read_text("utf-8").partition("\n")[0]
     assert '"Guesser"' in head
@@ -99,22 +90,17 @@ def test_cluster_finds_own_observer_by_study_path(study, tmp_path, capsys):
     assert contents(tmp_path / "two") == contents(tmp_path / "one")
 
 
+LACKING = "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass Guesser:\n    bias: float\n"
+
+
 @pytest.mark.parametrize(
     ("kind", "code", "sentence"),
     [
         ("mine:Guesser", None, "but no file mine.py in"),
         ("mine:Guesser", "1 / 0\n", "mine.py, line 1 (ZeroDivisionError: division by zero), expected a module that"),
-        (
-            "mine:Guesser",
-            "raise SystemExit(0)\n",
-            "mine.py, line 1 (SystemExit: 0), expected a module that can be imported",
-        ),
+        ("mine:Guesser", "raise SystemExit(0)\n", "mine.py, line 1 (SystemExit: 0), expected a module that can be"),
         ("mine:Guesser", "Guesser = 3\n", "no dataclass 'Guesser' in mine.py"),
-        (
-            "mine:Guesser",
-            "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass Guesser:\n    bias: float\n",
-            "which lacks participant, detect, compare",
-        ),
+        ("mine:Guesser", LACKING, "which lacks participant, detect, compare"),
         ("mine:Guesser", CODE.replace("bias: float", "slope: float"), "observer.bias: found an unknown key"),
         ("../mine:Guesser", CODE, "expected module:Class"),
     ],
@@ -124,7 +110,6 @@ def test_flawed_own_observer_is_refused(study, tmp_path, capsys, kind, code, sen
     (study.parent / "mine.py").unlink() if code is None else (study.parent / "mine.py").write_text(code)
     said = refused(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     assert sentence in said
-    assert "Traceback" not in said
     assert not (tmp_path / "d").exists()
 
 
@@ -158,7 +143,6 @@ def test_errors_of_own_observer_name_file_and_line(study, tmp_path, capsys, meth
     said = refused(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     assert sentence in said
     assert any(f"{study.parent / 'mine.py'}, line {number}: " in said for number in numbers)
-    assert said.count("\n") == 0
 
 
 @pytest.mark.parametrize(
@@ -195,28 +179,6 @@ def test_participant_of_other_class_is_guarded(study, tmp_path, capsys):
     )
     said = refused(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     assert "found AttributeError ('Person' object has no attribute 'nothing') in detect" in said
-
-
-@pytest.mark.parametrize("form", ["bids", "jspsych", "psych-ds", "psychopy", "r"])
-def test_exports_state_that_data_are_simulated(study, tmp_path, capsys, form):
-    """Each table contains the rig, or its description states it."""
-    output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
-    out = tmp_path / form
-    output(capsys, "export", tmp_path / "d", "--to", form, "--out", out)
-    suffixes = (".json",) if form == "jspsych" else (".csv", ".tsv")
-    tables = [path for path in out.rglob("*") if path.suffix in suffixes]
-    assert tables
-    described = out / "dataset_description.json"
-    whole = described.exists() and "simulated data" in described.read_text()
-    for table in tables:
-        assert whole or "simulated" in table.read_text("utf-8"), table
-
-
-def test_report_states_that_people_were_simulated(study, tmp_path, capsys):
-    output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
-    told = output(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "report.html", "--json")
-    assert "simulated" in json.dumps(json.loads(told)).lower()
-    assert "simulated participants" in (tmp_path / "report.html").read_text("utf-8").lower()
 
 
 @pytest.mark.parametrize("end", [KeyboardInterrupt(), Terminated(143)], ids=repr)
