@@ -1,19 +1,25 @@
 """Information for the experimenter during a session."""
 
+import json
 import os
+import re
 import time
 from dataclasses import replace
 
 import pytest
-from places import ROOT
+from command_line import output
+from places import RECORDED
 from progressed import with_row
 from set_clock import Clock
 from tutorial_session import live
 
+from tactometry.analysis.tasks.kinds import CURVES
+from tactometry.analysis.wording import interval_text
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, curve_plot
 from tactometry.experiments.watch.page import sections
+from tactometry.experiments.watch.scenery import Scenery
 from tactometry.experiments.watch.sight import Drawn, Sight
 from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
 from tactometry.records.journal import read
@@ -22,10 +28,10 @@ from tactometry.session.answer import Marked
 from tactometry.session.progress import PartAhead, Progress
 from tactometry.trials.trial import REASONS, Trial
 
-RECORDED = sorted(path.parent for path in (ROOT / "tests" / "recorded").glob("*/journals"))
+DATA_SETS = sorted(path.parent for path in RECORDED.glob("*/journals"))
 
 
-@pytest.mark.parametrize("root", RECORDED, ids=lambda root: root.name)
+@pytest.mark.parametrize("root", DATA_SETS, ids=lambda root: root.name)
 def test_page_draws_every_recorded_data_set(root):
     sight = Watcher(root).look()
     answers = answers_of(sight.progress)
@@ -177,17 +183,10 @@ def test_questionnaire_answers_leave_levels_unchanged():
     assert [row.state for row in view.condition_rows(sight.progress)] == [""]
 
 
-@pytest.mark.parametrize(
-    ("name", "title"),
-    [
-        ("frequency_hz=60", "staircase, 60 Hz"),
-        ("frequency_hz=60, A - B", "staircase, 60 Hz, A - B"),
-        (None, "staircase, 60 Hz"),
-    ],
-)
-def test_track_name_adds_to_its_condition(name, title):
+@pytest.mark.parametrize(("name", "more"), [("frequency_hz=60", ""), ("frequency_hz=60, A - B", ", A - B"), (None, "")])
+def test_track_name_adds_to_its_condition(name, more):
     row = Trial(1, 1, {"frequency_hz": 60.0}, "staircase", 5.0, "dB", "yes_no", 1, track=name)
-    assert view.level_plots(with_row(Progress(), row))[0].title == title
+    assert view.level_plots(with_row(Progress(), row))[0].title == f"staircase, 60 Hz{more}"
 
 
 def test_levels_of_several_units_each_have_theirs():
@@ -208,5 +207,30 @@ def test_left_out_parts_have_no_share():
     assert view.shares(Sight("a", parts=(PartAhead(lasts_s=30.0),))) == []
 
 
-pytest.importorskip("starlette")
-pytest.importorskip("uvicorn")
+STUDIES = {
+    "yes_no": "time-reversal-threshold",
+    "forced_choice": "two-interval-forced-choice",
+    "comparison": "texture-discrimination",
+}
+
+
+@pytest.mark.parametrize("task", CURVES)
+def test_live_page_reports_threshold_of_analyse(tmp_path, capsys, task):
+    data = tmp_path / "data"
+    output(capsys, "simulate", STUDIES[task], "--participants", "1", "--seed", "3", "--out", data)
+    found = json.loads(output(capsys, "analyse", data, "--json"))["thresholds"]
+    rows = [row for row in found if row["status"] == "ok"]
+    texts = [interval_text(row["threshold"], row["interval_low"], row["interval_high"]) for row in rows]
+    page = Scenery(Watcher(data)).sections()
+    words = re.sub("<[^>]*>", "", page["curve"])
+    assert any(text in words for text in texts), (texts, words)
+
+
+@pytest.mark.parametrize(
+    ("task", "answer"), [("comparison", "more"), ("same_different", "different"), ("yes_no", "yes")]
+)
+def test_last_answer_has_word_of_task(task, answer):
+    trial = Trial(1, 1, {}, "constant_stimuli", 43.0, "dB", task, 1, correct=False)
+    shown = with_row(Progress(), trial)
+    assert {row.name: row.value for row in view.where(Sight("a", progress=shown))}["Last trial"].endswith(f": {answer}")
+    assert [mark.kind for mark in view.level_plots(shown)[0].marks] == ["yes"]

@@ -37,22 +37,20 @@ def test_screen_reader_gets_page_contents(tab, journal):
     journal.holds()
     with watched(journal.root) as page:
         tab.open(page.url)
-        told = tab.named()
-    regions = [name for role, name in told if role == "region"]
+        named = tab.named()
+    regions = [name for role, name in named if role == "region"]
     assert regions == [
         *("Where the session stands", "Levels", "Touches", "Psychometric curve", "The last touch"),
         *("Screen, output and sensors", "Conditions"),
     ]
-    assert ("heading", "P01, session 1: tutorial") in told
-    images = [name for role, name in told if role == "image"]
+    assert ("heading", "P01, session 1: tutorial") in named
+    images = [name for role, name in named if role == "image"]
     assert len(images) == 2
     assert "presentations" in images[0]
     assert "threshold" in images[1]
-    assert {name for role, name in told if role == "table"} == {
-        "Last touches, newest first",
-        "Tracks that have begun, newest first",
-    }
-    assert [name for role, name in told if role == "progressbar"] == ["Trials of this part", "Trials of the session"]
+    tables = {name for role, name in named if role == "table"}
+    assert tables == {"Last touches, newest first", "Tracks that have begun, newest first"}
+    assert [name for role, name in named if role == "progressbar"] == ["Trials of this part", "Trials of the session"]
 
 
 @pytest.mark.parametrize(

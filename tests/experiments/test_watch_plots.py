@@ -105,13 +105,10 @@ def kept_touch(root, n_samples=3000):
     traces = TraceFiles(root, Session("P01", 1, "tutorial"))
     force = np.column_stack([times_s, 1.0 + 0.1 * np.sin(times_s)])
     force[17, 1] = np.nan
-    parts = (
-        traces.keep("force", force, 1000.0),
-        traces.keep("position", np.column_stack([times_s, times_s / 100]), 1000.0),
-    )
+    position = np.column_stack([times_s, times_s / 100])
+    parts = traces.keep("force", force, 1000.0), traces.keep("position", position, 1000.0)
     traces.close()
-    answer = Touched(10.0, 12.0, "0", force_mean_n=1.0, trace=parts)
-    return AnsweredTouch(PRESS, answer)
+    return AnsweredTouch(PRESS, Touched(10.0, 12.0, "0", force_mean_n=1.0, trace=parts))
 
 
 def test_last_touch_is_drawn_with_its_band(tmp_path):

@@ -1,12 +1,22 @@
-"""The page is served only to this computer, at a secret address."""
+"""The watch page: served only to this computer at a secret address, started and ended by its commands."""
 
+import json
+import os
 import re
+import signal
 import socket
+import subprocess
+import sys
+import time
+from urllib.request import urlopen
 
 import pytest
+from command_line import call, refused
+from patience import LONGEST_WAIT_S
 from places import ROOT
 from watched import watched
 
+from tactometry.cli.watch import watching
 from tactometry.errors import DeviceFailed
 from tactometry.experiments.watch.scenery import Scenery
 from tactometry.experiments.watch.server import serve
@@ -29,57 +39,38 @@ def test_server_serves_page_and_files(served):
 
 
 @pytest.mark.parametrize(
-    ("headers", "status"),
+    ("name", "values", "status"),
     [
-        ({"Host": "evil.example"}, 403),
-        ({"Host": "127.0.0.1"}, 403),
-        ({"Origin": "http://evil.example"}, 403),
-        ({"Origin": "null"}, 403),
-        ({"Sec_Fetch_Site": "cross-site"}, 403),
-        ({"Sec_Fetch_Site": "same-site"}, 403),
-        ({"Sec_Fetch_Site": "none"}, 200),
+        ("Host", ("evil.example",), 403),
+        ("Host", ("127.0.0.1",), 403),
+        ("Host", ("evil.example", "127.0.0.1:{port}"), 400),  # a second host is no HTTP
+        ("Host", ("127.0.0.1:{port}", "127.0.0.1:{port}"), 400),
+        ("Origin", ("http://evil.example",), 403),
+        ("Origin", ("null",), 403),
+        ("Origin", ("http://evil.example", "http://127.0.0.1:{port}"), 403),
+        ("Origin", ("http://127.0.0.1:{port}", "http://127.0.0.1:{port}"), 403),
+        ("Sec-Fetch-Site", ("cross-site",), 403),
+        ("Sec-Fetch-Site", ("same-site",), 403),
+        ("Sec-Fetch-Site", ("none",), 200),
+        ("Sec-Fetch-Site", ("cross-site", "same-origin"), 403),
+        ("Sec-Fetch-Site", ("none", "none"), 403),
     ],
 )
-def test_foreign_hosts_and_pages_are_refused(served, headers, status):
-    for path in ("", "events", "page.js"):
-        if status == 200 and path == "events":
-            continue  # it has no end
-        assert served.ask(path, **headers)[0] == status
-
-
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        ("Sec-Fetch-Site", ("cross-site", "same-origin")),
-        ("Sec-Fetch-Site", ("none", "none")),
-        ("Origin", ("http://evil.example", "http://127.0.0.1:{port}")),
-        ("Origin", ("http://127.0.0.1:{port}", "http://127.0.0.1:{port}")),
-        ("Host", ("evil.example", "127.0.0.1:{port}")),
-        ("Host", ("127.0.0.1:{port}", "127.0.0.1:{port}")),
-    ],
-)
-def test_repeated_headers_are_refused(served, name, values):
-    connection = served.connection()
-    connection.putrequest("GET", f"/{served.token}/", skip_host=name == "Host")
-    for value in values:
-        connection.putheader(name, value.format(port=served.port))
-    connection.endheaders()
-    assert connection.getresponse().status == (400 if name == "Host" else 403)  # a second host is no HTTP
-    connection.close()
+def test_foreign_or_repeated_headers_are_refused(served, name, values, status):
+    for path in ("", "events", "page.js") if status != 200 else ("", "page.js"):  # events have no end
+        connection = served.connection()
+        connection.putrequest("GET", f"/{served.token}/{path}", skip_host=name == "Host")
+        for value in values:
+            connection.putheader(name, value.format(port=served.port))
+        connection.endheaders()
+        assert connection.getresponse().status == status
+        connection.close()
 
 
 def test_server_refuses_requests_without_token(served):
-    for path in (
-        "/",
-        "/events",
-        "/page.js",
-        f"/{served.token[:-1]}/",
-        f"/{served.token}x/",
-        "//",
-        f"/x/{served.token}/",
-    ):
-        status, text = served.ask(whole_path=path)
-        assert (status, text) == (404, "")
+    token = served.token
+    for path in ("/", "/events", "/page.js", f"/{token[:-1]}/", f"/{token}x/", "//", f"/x/{token}/"):
+        assert served.ask(whole_path=path) == (404, "")
 
 
 def test_server_serves_only_the_page(served):
@@ -131,3 +122,73 @@ def test_events_hold_changed_sections_only(journal):
 def test_taken_port_is_reported_in_one_sentence(served):
     with pytest.raises(DeviceFailed, match=rf"--port: cannot listen at 127.0.0.1:{served.port}"):
         serve(Scenery(Watcher(ROOT)), served.port, print)
+
+
+# --- the command
+
+
+def test_ctrl_c_ends_it_without_a_word(journal):
+    journal.holds()
+    command = [sys.executable, "-m", "tactometry", "watch", str(journal.root)]
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as watch:
+        assert watch.stdout.readline().startswith(b"http://127.0.0.1:")
+        os.kill(watch.pid, signal.SIGINT)
+        assert watch.wait(LONGEST_WAIT_S) == 0
+        assert watch.stderr.read() == b""
+
+
+def test_watch_prints_address_as_json(journal):
+    journal.holds()
+    command = [sys.executable, "-m", "tactometry", "watch", str(journal.root), "--json", "--until-input-ends"]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=LONGEST_WAIT_S, check=True)
+    assert json.loads(done.stdout)["url"].startswith("http://127.0.0.1:")
+
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from tactometry.cli.watch import watching
+with watching(Path(sys.argv[1]), "P01", 1) as url:
+    print(url, flush=True)
+    time.sleep(600)
+"""
+
+
+def is_served(url):
+    try:
+        with urlopen(url, timeout=LONGEST_WAIT_S) as page:
+            return page.status == 200
+    except OSError:
+        return False
+
+
+def test_page_starts_before_the_data_and_ends(tmp_path):
+    with watching(tmp_path / "yet-to-come", "P01", 1) as url:
+        assert is_served(url)
+    assert not is_served(url)
+
+
+def test_page_ends_when_run_is_killed(tmp_path):
+    with subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE, text=True) as run:
+        url = run.stdout.readline().strip()
+        assert is_served(url)
+        run.kill()
+    end_s = time.monotonic() + LONGEST_WAIT_S
+    while is_served(url):
+        assert time.monotonic() < end_s
+        time.sleep(0.05)
+
+
+@pytest.mark.slow
+def test_run_tells_the_address_of_its_page(tmp_path, capsys):
+    words = ("run", "tutorial", "--participant", "P01", "--rig", "simulated", "--out", tmp_path / "d", "--watch")
+    code, said, _ = call(capsys, *words)
+    assert code == 0
+    assert "watch the session at http://127.0.0.1:" in said
+
+
+def test_watch_refuses_folder_without_session(tmp_path, capsys):
+    said = refused(capsys, "watch", tmp_path / "nowhere")
+    assert "nowhere: found no folder, expected a data set, or --wait" in said
+    said = refused(capsys, "watch", tmp_path)
+    assert "found no journal of this session, expected a session that has begun, or --wait" in said
