@@ -11,7 +11,6 @@ from tactometry.session.answer import Chosen, Touched
 
 
 def begun():
-    """Return a loop and the PsychoPy handler that it was added to."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         data = pytest.importorskip("psychopy.data", reason="no psychopy: extra window")
@@ -51,19 +50,11 @@ def test_invalid_touch_is_recorded_and_repeats_level():
     loop, handler = begun()
     level = next(loop)
     loop.hear(answered(level, 0, valid=False))
-    assert handler.thisEntry == {
-        "s.level_delivered": 20.0,
-        "s.force_mean_n": 1.0,
-        "s.valid": 0,
-        "s.invalid_reason": "timeout",
-    }
+    entry = {"level_delivered": 20.0, "force_mean_n": 1.0, "valid": 0, "invalid_reason": "timeout"}
+    assert handler.thisEntry == {f"s.{name}": value for name, value in entry.items()}
     assert next(loop) == level
     loop.hear(answered(level, 0))
-    assert (handler.thisEntry["s.valid"], handler.thisEntry["s.response"], handler.thisEntry["s.latency_s"]) == (
-        1,
-        0,
-        0.5,
-    )
+    assert [handler.thisEntry[f"s.{name}"] for name in ("valid", "response", "latency_s")] == [1, 0, 0.5]
     assert next(loop) == 24.0
 
 

@@ -8,11 +8,12 @@ from scipy.optimize import brentq
 from scipy.stats import binom, norm
 from soak import SOAK
 
-from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.pipeline import analyse, analyse_trials
 from tactometry.contact import Contact
+from tactometry.experiments.sessions.in_memory import NOWHERE, trials_of
 from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.experiments.study.study_file import builtin, load, parse
 
 N = 1000 if SOAK else 60
 AT_1E_4 = 3.72
@@ -50,7 +51,6 @@ def true_threshold(experiment, participant, seed):
 
 @pytest.fixture(scope="module", params=PROCEDURES)
 def recovered(request, tmp_path_factory):
-    """Return true and estimated thresholds with intervals, N participants."""
     toml, root = PROCEDURES[request.param], tmp_path_factory.mktemp("recovery")
     seed = int(np.random.default_rng().integers(2**31))
     print(f"seed {seed}")
@@ -90,3 +90,18 @@ def test_resting_finger_is_at_chance(tmp_path):
     observer = experiment.people.middle
     assert sensation.sensation_db(signal, Contact(1.5, 0.0)) == -np.inf
     assert observer.d_prime(-np.inf) == 0
+
+
+def statuses(seed, n_participants):
+    trials = trials_of(Simulation(load("tutorial")[1], "tutorial", NOWHERE, n_participants, seed))
+    estimates = analyse_trials(trials).estimates
+    codes = {one.cell.participant for one in estimates}
+    return [[one.fit.status for one in estimates if one.cell.participant == code] for code in sorted(codes)]
+
+
+@pytest.mark.parametrize(
+    ("seeds", "n_participants"), [((2,), 10), pytest.param(range(1, 41), 5, marks=pytest.mark.slow)], ids=["few", "40"]
+)
+def test_tutorial_finds_both_thresholds_of_most_participants(seeds, n_participants):
+    of_all = [each for seed in seeds for each in statuses(seed, n_participants)]
+    assert sum(each == ["ok", "ok"] for each in of_all) >= 0.95 * len(of_all)

@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from command_line import call, output
+from command_line import output, refused
 from matplotlib.figure import Figure
 from places import DOCS
 
@@ -84,14 +84,10 @@ def test_numbers_are_unique_and_compared_with_statements(made):
     assert len(set(places)) == len(places)
     assert all((each.holds is not None) == bool(each.stated) for each in made.numbers)
     assert all(math.isfinite(each.value) for each in made.numbers)
-
-
-def test_disagreement_has_a_reason(made):
     assert made.item.outcome or all(each.holds is not False for each in made.compared)
 
 
 def test_page_is_that_of_the_command(made):
-    """The words are equal, and numbers agree within their digits."""
     name = made.item.name
     now, then = (words_of(text, name) for text in (page([made]), PAGE.read_text(encoding="utf-8")))
     assert [word for word in now if not is_number(word)] == [word for word in then if not is_number(word)], "make pages"
@@ -139,11 +135,6 @@ def test_each_caption_is_made_or_has_a_reason():
 def test_figure_of_a_chosen_input_is_not_derived(name, origin):
     """Inputs of 6.15, 4.11 and 3.20 are chosen or set, not derived."""
     assert reproduction_of(name).origin == origin
-
-
-def test_corner_of_the_chosen_resistivity_is_calibrated():
-    origins = {each.quantity: each.origin for each in reproduce(reproduction_of("table-6.1")).numbers}
-    assert origins["time constant"] == origins["corner of the high-pass"] == "calibrated"
 
 
 def of_variants(name):
@@ -195,66 +186,51 @@ def test_forces_of_table_6_2_are_those_in_the_band():
 
 
 def test_table_6_1_has_the_published_closed_forms():
-    found = {each.quantity: each.value for each in reproduce(reproduction_of("table-6.1")).numbers}
-    assert found["capacitance of the insulator"] == pytest.approx(3.4531332)
-    assert found["capacitance of the corneum"] == pytest.approx(4.4270939)
-    assert found["resistance of the corneum"] == pytest.approx(40.0)
-    assert found["share of a fast voltage across the corneum"] == pytest.approx(0.438202247)
-    assert found["time constant"] == pytest.approx(315.209086)
-    assert found["corner of the high-pass"] == pytest.approx(504.918640)
+    numbers = {each.quantity: each for each in reproduce(reproduction_of("table-6.1")).numbers}
+    published = {
+        "capacitance of the insulator": 3.4531332,
+        "capacitance of the corneum": 4.4270939,
+        "resistance of the corneum": 40.0,
+        "share of a fast voltage across the corneum": 0.438202247,
+        "time constant": 315.209086,
+        "corner of the high-pass": 504.918640,
+    }
+    assert {name: numbers[name].value for name in published} == pytest.approx(published)
+    assert {numbers[name].origin for name in ("time constant", "corner of the high-pass")} == {"calibrated"}
 
 
 # --- the command
 
 
 def test_item_is_written_with_its_origins(capsys, tmp_path):
-    said = output(capsys, "reproduce", "table-6.1", "--out", tmp_path)
+    words = ("reproduce", "table-6.1", "--out", tmp_path, "--page", tmp_path / "page.md")
+    said = output(capsys, *words)
     with (tmp_path / "table-6.1.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert {row["origin"] for row in rows} == {"assumed", "derived", "calibrated"}
+    assert [row["origin"] for row in rows] == ["assumed"] * 6 + ["derived"] * 3 + ["calibrated"] * 3
     assert all(f"{row['quantity']}, {row['condition']}: " in said for row in rows)
+    assert (tmp_path / "page.md").read_text(encoding="utf-8") == page([reproduce(reproduction_of("table-6.1"))])
+    numbers = json.loads(output(capsys, *words[:2], "--json"))["table-6.1"]["numbers"]
+    assert [each["origin"] for each in numbers] == [row["origin"] for row in rows]
 
 
-def test_command_writes_the_page(capsys, tmp_path):
-    made = tmp_path / "page.md"
-    output(capsys, "reproduce", "table-2.1", "--page", made)
-    assert made.read_text(encoding="utf-8") == page([reproduce(reproduction_of("table-2.1"))])
-
-
-def test_command_prints_json(capsys):
-    told = json.loads(output(capsys, "reproduce", "table-6.1", "--json"))
-    assert [each["origin"] for each in told["table-6.1"]["numbers"]] == ["assumed"] * 6 + ["derived"] * 3 + [
-        "calibrated"
-    ] * 3
-
-
-def test_unknown_item_is_refused(capsys):
-    code, said, _ = call(capsys, "reproduce", "table-4.33")
-    assert code == 2
-    assert said.startswith("tactometry: NAME: found 'table-4.33', expected one of all, ")
-    assert "table-4.3" in said
-
-
-@pytest.mark.parametrize("caption", ["figure-6.7", "table-3.4"])
-def test_caption_without_item_is_refused_with_the_reason(caption, capsys):
-    code, said, _ = call(capsys, "reproduce", caption)
-    assert code == 2
-    assert (
-        said.strip()
-        == f"tactometry: NAME: found {caption}, expected an item that can be reproduced: this is {reason_for(caption)}"
-    )
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("table-4.33", "NAME: found 'table-4.33', expected one of all, "),
+        *(
+            (name, f"NAME: found {name}, expected an item that can be reproduced: this is {reason_for(name)}")
+            for name in ("figure-6.7", "table-3.4")
+        ),
+    ],
+)
+def test_unknown_item_is_refused_with_the_reason(name, sentence, capsys):
+    assert refused(capsys, "reproduce", name).startswith(f"tactometry: {sentence}")
 
 
 def test_caption_is_made_with_the_item_that_includes_it(capsys, tmp_path):
     output(capsys, "reproduce", "figure-6.10", "--out", tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {"figure-6.8.csv", "figure-6.8.png"}
-
-
-def test_command_reports_a_place_it_cannot_write(capsys, tmp_path):
-    (tmp_path / "taken").write_text("", encoding="utf-8")
-    code, said, _ = call(capsys, "reproduce", "table-6.1", "--out", tmp_path / "taken")
-    assert code == 3
-    assert "cannot write" in said
 
 
 # --- curves of a drawing

@@ -1,7 +1,7 @@
 """Example studies rehearsed, simulated, validated, replayed, analysed."""
 
 import pytest
-from command_line import call, status
+from command_line import output, status
 
 from tactometry.experiments.study.study_file import builtin, load, shipped
 
@@ -19,7 +19,6 @@ SAYS = {
 
 @pytest.fixture(scope="module", params=TO_COPY)
 def copied(request, tmp_path_factory):
-    """Return a study with the data of three simulated participants."""
     root = tmp_path_factory.mktemp(request.param)
     assert status("new", request.param, "--out", root / "mine.toml") == 0
     arguments = ("simulate", root / "mine.toml", "--participants", "3", "--seed", "1", "--out", root / "data")
@@ -34,30 +33,24 @@ def test_all_six_studies_have_expected_results():
 @pytest.mark.parametrize("name", TO_COPY)
 def test_study_head_states_purpose_and_command(name):
     study, content = load(name)
-    told = [line for line in content.decode().splitlines() if line.startswith("#")]
+    comments = [line for line in content.decode().splitlines() if line.startswith("#")]
     assert study.name == name
-    assert any(line.startswith(f"# Try it:  tactometry simulate {name} --participants") for line in told)
+    assert any(line.startswith(f"# Try it:  tactometry simulate {name} --participants") for line in comments)
 
 
 def test_example_study_is_rehearsed(copied, capsys):
-    _, root = copied
-    code, said, out = call(capsys, "run", root / "mine.toml", "--participant", "P01", "--dry-run")
-    assert code == 0, said
-    assert "without repeated trials" in out
+    said = output(capsys, "run", copied[1] / "mine.toml", "--participant", "P01", "--dry-run")
+    assert "without repeated trials" in said
 
 
 @pytest.mark.parametrize("command", ["validate", "replay"])
 def test_example_study_data_are_valid(copied, capsys, command):
-    _, root = copied
-    code, said, out = call(capsys, command, root / "data")
-    assert code == 0, said + out
+    output(capsys, command, copied[1] / "data")
 
 
 def test_example_study_analysis_has_expected_result(copied, capsys):
     name, root = copied
-    code, said, out = call(capsys, "analyse", root / "data", "--report", root / "report.html")
-    assert code == 0, said
-    assert SAYS[name] in out
+    assert SAYS[name] in output(capsys, "analyse", root / "data", "--report", root / "report.html")
     report = (root / "report.html").read_text("utf-8")
     assert len(report) > 10_000
     assert ("For comparisons, unlike the fits of single participants" in report) == (name == "texture-discrimination")
