@@ -38,8 +38,8 @@ def test_first_dimension_is_the_default():
 
 @pytest.mark.parametrize("effect", ["pattern: P3 = 1 points", "frequency: 1 points"])
 def test_zero_effect_has_equal_attitudes_and_sensations(effect):
-    asked = design(effect, PATTERNS, "HQ")
-    experiment = experiment_of(asked, asked.cases[1])
+    planned = design(effect, PATTERNS, "HQ")
+    experiment = experiment_of(planned, planned.cases[1])
     observer = experiment.study.observer
     assert {value for of in observer["raters"]["effects"]["pattern"].values() for value in of.values()} == {0.0}
     shifts_db = observer["people"]["effects_db"]["pattern"]
@@ -53,9 +53,9 @@ NONE = "liking = 0\nattitude_sd = 0\ndimension_sd = 0\nstimulus_sd = 0\nacquiesc
 
 def test_scores_differ_by_the_effect():
     """Participants differ only in item noise, so the standard error is known."""
-    asked = design("frequency: 1 points", PATTERNS, "HQ", changed(PATTERNS, (SPREAD, NONE)), participants=(12,))
-    for case, stated in zip(asked.cases, (1.0, 0.0), strict=True):
-        (row,) = replicate(asked, case, 0)
+    planned = design("frequency: 1 points", PATTERNS, "HQ", changed(PATTERNS, (SPREAD, NONE)), participants=(12,))
+    for case, stated in zip(planned.cases, (1.0, 0.0), strict=True):
+        (row,) = replicate(planned, case, 0)
         error = 3 * 0.35 * (2 / (12 * 14 * 3)) ** 0.5  # 14 items and three patterns on either side, 3 points a unit
         rounding = (2 * (1 / 12) / (12 * 14 * 3)) ** 0.5  # of an answer to the steps of the scale
         assert row.found == pytest.approx(stated, abs=3.9 * np.hypot(error, rounding))
@@ -69,22 +69,22 @@ def test_scores_differ_by_the_effect():
     ],
 )
 def test_p_value_equals_that_of_the_analysis(study, effect, dependent, table_of):
-    asked = design(effect, study, dependent)
-    experiment = experiment_of(asked, asked.cases[0])
+    planned = design(effect, study, dependent)
+    experiment = experiment_of(planned, planned.cases[0])
     form = next(
         form
-        for form in ratings(simulated(asked, experiment, seed_of(asked.seed, 0)))
+        for form in ratings(simulated(planned, experiment, seed_of(planned.seed, 0)))
         if dependent in form.form.dimensions
     )
     table = table_of(form)
-    (row,) = replicate(asked, asked.cases[0], 0)
-    assert row.p == table.loc[table["Source"] == asked.effect.factor, "p_CM_corr"].iloc[0]
+    (row,) = replicate(planned, planned.cases[0], 0)
+    assert row.p == table.loc[table["Source"] == planned.effect.factor, "p_CM_corr"].iloc[0]
 
 
 def test_patterns_are_tested_against_the_single_focus():
-    asked = design("pattern: P3 = 1 points", PATTERNS, "ATT")
-    (form,) = ratings(simulated(asked, experiment_of(asked, asked.cases[0]), seed_of(asked.seed, 0)))
-    (row,) = replicate(asked, asked.cases[0], 0)
+    planned = design("pattern: P3 = 1 points", PATTERNS, "ATT")
+    (form,) = ratings(simulated(planned, experiment_of(planned, planned.cases[0]), seed_of(planned.seed, 0)))
+    (row,) = replicate(planned, planned.cases[0], 0)
     assert row.p == form.against.loc[form.against["dimension"] == "ATT", "p_corr"].min()
 
 
@@ -138,8 +138,8 @@ def exact():
     ],
 )
 def test_simulated_answers_have_stated_effect(exact, effect, pses, jnds):
-    asked = design(effect, content=exact, participants=(3,))
-    _, trials = studied(asked, asked.cases[0], 0)
+    planned = design(effect, content=exact, participants=(3,))
+    _, trials = studied(planned, planned.cases[0], 0)
     used = used_rows(trials)
     for frequency, pse, jnd in zip((60, 240), pses, jnds, strict=True):
         rows = used[used["frequency_hz"].astype(float) == frequency]
@@ -156,16 +156,16 @@ def test_effects_are_tested_on_their_own_value():
 
 @pytest.mark.parametrize("effect", ["period_m: 20 % JND", "period_m: 1 dB PSE"])
 def test_played_levels_do_not_exceed_stated_levels(effect):
-    asked = design(effect, TEXTURE)
-    for case in asked.cases:
-        played = [cell.procedure.rule.bounds for cell in experiment_of(asked, case).cells.values()]
+    planned = design(effect, TEXTURE)
+    for case in planned.cases:
+        played = [cell.procedure.rule.bounds for cell in experiment_of(planned, case).cells.values()]
         assert max(high for _, high in played) == pytest.approx(46.0)
 
 
 def test_exponents_differ_by_the_stated_share():
-    asked = design("period_m: 44 % exponent", "grating-roughness")
-    first, *_, last = maps_of(asked, Case(None, True)).values()
-    none_first, *_, none_last = maps_of(asked, Case(None, False)).values()
+    planned = design("period_m: 44 % exponent", "grating-roughness")
+    first, *_, last = maps_of(planned, Case(None, True)).values()
+    none_first, *_, none_last = maps_of(planned, Case(None, False)).values()
     ratio = (first.factor / none_first.factor) / (last.factor / none_last.factor)
     assert ratio == pytest.approx(1.44)
 

@@ -38,10 +38,10 @@ def test_each_task_is_supported_or_refused_with_reason():
 @pytest.mark.parametrize("unit", ["dB", "dB SL"])
 def test_levels_differ_by_the_effect_and_by_nothing_else(study, unit):
     factor = {"tutorial": "frequency_hz", "time-reversal-threshold": "force_n"}[study]
-    asked = design(study, f"{factor}: 3 {unit}")
-    levels = experiment_of(asked, asked.cases[0]).study.factors[factor]
-    for case, span in zip(asked.cases, (3.0, 0.0), strict=True):
-        experiment = experiment_of(asked, case)
+    planned = design(study, f"{factor}: 3 {unit}")
+    levels = experiment_of(planned, planned.cases[0]).study.factors[factor]
+    for case, span in zip(planned.cases, (3.0, 0.0), strict=True):
+        experiment = experiment_of(planned, case)
         more_db = experiment.study.observer["people"]["effects_db"][factor].values()
         grown = [growth(experiment, cell) for cell in experiment.cells.values()]
         felt_db = [own + more for (own, _), more in zip(grown, more_db, strict=True)]
@@ -76,9 +76,9 @@ def stated(tmp_path):
 @pytest.mark.parametrize("study", ["stated", "tutorial"])
 def test_true_thresholds_differ_by_the_effect(request, study):
     name = request.getfixturevalue(study) if study == "stated" else study
-    asked = design(name, "frequency_hz: 4 dB")
-    for case, expected in zip(asked.cases, (4.0, 0.0), strict=True):
-        experiment = experiment_of(asked, case)
+    planned = design(name, "frequency_hz: 4 dB")
+    for case, expected in zip(planned.cases, (4.0, 0.0), strict=True):
+        experiment = experiment_of(planned, case)
         table = true_thresholds(experiment, codes(200), 3).pivot(
             index="participant", columns="frequency_hz", values="truth"
         )
@@ -95,7 +95,7 @@ def test_stated_thresholds_take_no_effect_of_sensation(capsys, stated):
 
 def test_yes_is_half_way_at_the_true_threshold():
     """Compare with an exact binomial test of the observer's answers."""
-    experiment = experiment_of(asked := design(), asked.cases[1])
+    experiment = experiment_of(planned := design(), planned.cases[1])
     observer = replace(experiment.simulated_participant("P001", 5), lapse_rate=0.0)
     criterion, rng, n = observer.criterion + observer.bias, np.random.default_rng(7), 20_000
     level_db = 20 / observer.exponent * np.log10(half_way_of_yes(criterion) / observer.criterion)
@@ -125,7 +125,7 @@ def test_dropout_removes_later_trials_only():
     assert lost.n_unknown > stayed.n_unknown
 
 
-def drawn_rows(asked, chance):
+def drawn_rows(planned, chance):
     """Return a batch's rows with tests that are significant by chance."""
 
     def rows_of(batch):
@@ -134,43 +134,43 @@ def drawn_rows(asked, chance):
             Row(0, batch.case.has_effect, number, n, 0.5, bool(rng.random() < chance[batch.case.has_effect][n]),
                 None, None, None, 2, 0, 0, 1.0)
             for number in range(batch.first, batch.end)
-            for n in asked.participants
+            for n in planned.participants
         )  # fmt: skip
 
     return rows_of
 
 
 def test_sampling_stops_when_it_knows_enough_and_not_before():
-    asked = design(participants=(3, 4))
+    planned = design(participants=(3, 4))
     chances = {True: {3: 0.2, 4: 0.8}, False: {3: 0.05, 4: 0.05}}
-    batches = list(sample(asked, spread=lambda *_: iter(()), kept=drawn_rows(asked, chances)))
-    found = Summary(asked)
+    batches = list(sample(planned, spread=lambda *_: iter(()), kept=drawn_rows(planned, chances)))
+    found = Summary(planned)
     for _, rows in batches:
         found.add(rows)
     low, high = found.points()
-    assert (high.power_high - high.power_low) / 2 <= asked.precision
-    assert low.power_high < asked.target
-    assert (high.false_positives_high - high.false_positives_low) / 2 <= asked.precision
-    before = high.n_studies - asked.batch
+    assert (high.power_high - high.power_low) / 2 <= planned.precision
+    assert low.power_high < planned.target
+    assert (high.false_positives_high - high.false_positives_low) / 2 <= planned.precision
+    before = high.n_studies - planned.batch
     ends = share_interval(round(high.power * before), before)
-    assert (ends[1] - ends[0]) / 2 > asked.precision
-    assert recommendation(asked, (high,)) != recommendation(asked, (low,))
+    assert (ends[1] - ends[0]) / 2 > planned.precision
+    assert recommendation(planned, (high,)) != recommendation(planned, (low,))
 
 
 def test_studies_without_a_test_are_told():
-    asked = design(participants=(3,), most=20)
-    rows = drawn_rows(asked, {True: {3: 0.0}, False: {3: 0.0}})
-    found = Summary(asked)
-    for batch, of_batch in sample(asked, spread=lambda *_: iter(()), kept=rows):
+    planned = design(participants=(3,), most=20)
+    rows = drawn_rows(planned, {True: {3: 0.0}, False: {3: 0.0}})
+    found = Summary(planned)
+    for batch, of_batch in sample(planned, spread=lambda *_: iter(()), kept=rows):
         found.add(replace(row, p=None if row.replicate < 5 and batch.case.has_effect else 0.5) for row in of_batch)
-    (told,) = cautions(asked, found.points())
-    assert told.startswith("no test had a result in 25% of the studies with 3 participants")
+    (warning,) = cautions(planned, found.points())
+    assert warning.startswith("no test had a result in 25% of the studies with 3 participants")
 
 
 def test_sampling_ends_at_the_most_that_was_asked_for():
-    asked = design(participants=(3,), most=50)
-    rows_of = drawn_rows(asked, {True: {3: 0.8}, False: {3: 0.5}})
-    ends = [batch.end for batch, _ in sample(asked, spread=lambda *_: iter(()), kept=rows_of)]
+    planned = design(participants=(3,), most=50)
+    rows_of = drawn_rows(planned, {True: {3: 0.8}, False: {3: 0.5}})
+    ends = [batch.end for batch, _ in sample(planned, spread=lambda *_: iter(()), kept=rows_of)]
     assert ends == [20, 40, 50, 20, 40, 50]
 
 
@@ -204,6 +204,6 @@ def test_power_of_normal_values_matches_closed_form(difference):
 
 
 def test_rows_contain_plain_numbers():
-    asked = design()
-    (row, _) = replicate(asked, asked.cases[0], 0)
+    planned = design()
+    (row, _) = replicate(planned, planned.cases[0], 0)
     assert all(value is None or type(value) in (int, float, bool) for value in astuple(row))

@@ -73,9 +73,9 @@ def test_level_table_interpolates_scene(cells):
     table, (low, high) = level_table(cell), cell.procedure.rule.bounds
     assert len(table.levels) in (N_LEVELS, len(getattr(cell.procedure.rule, "levels", ())))
     for level in np.linspace(low + 0.3 * (high - low), high, 7):
-        asked = np.interp(level, table.levels, table.felt[0])
-        met = level_table(cell, (level, level + 1.0)).felt[0, 0]
-        assert asked == pytest.approx(met, abs=0.1)
+        interpolated_db = np.interp(level, table.levels, table.felt[0])
+        felt_at_level_db = level_table(cell, (level, level + 1.0)).felt[0, 0]
+        assert interpolated_db == pytest.approx(felt_at_level_db, abs=0.1)
 
 
 def test_batch_finds_the_level_at_threshold(cells):

@@ -30,8 +30,12 @@ def one_block(rng):
     return run_block(catalogue.block("yes_no", "constant_stimuli"), 1, 1, rng)
 
 
-LIVED = Memory()
-run(one_block(np.random.default_rng(1)), catalogue.simulated(7), LIVED)
+@pytest.fixture(scope="module")
+def entries():
+    """Return the requests and answers of a block."""
+    memory = Memory()
+    run(one_block(np.random.default_rng(1)), catalogue.simulated(7), memory)
+    return memory.entries
 
 
 def test_replaced_file_and_folder_are_synced(tmp_path, synced):
@@ -103,18 +107,17 @@ def test_failed_rig_is_closed():
     assert falling.n_closed == 1
 
 
-def test_journal_with_extra_answers_is_refused():
+def test_journal_with_extra_answers_is_refused(entries):
     with pytest.raises(Diverged, match="the recording continues with"):
-        run(one_block(np.random.default_rng(1)), catalogue.simulated(7), Memory([*LIVED.entries, LIVED.entries[-1]]))
+        run(one_block(np.random.default_rng(1)), catalogue.simulated(7), Memory([*entries, entries[-1]]))
 
 
-def test_changed_trial_is_found():
-    at = next(n for n, (request, _) in enumerate(LIVED.entries) if isinstance(request, Record))
-    request, answer = LIVED.entries[at]
+def test_changed_trial_is_found(entries):
+    at = next(n for n, (request, _) in enumerate(entries) if isinstance(request, Record))
+    request, answer = entries[at]
     changed = Record(replace(request.trial, latency_s=9.0))
-    entries = [*LIVED.entries[:at], (changed, answer), *LIVED.entries[at + 1 :]]
     with pytest.raises(Diverged, match=rf"line {at + 1}: Record.trial.latency_s: the recording has 9.0"):
-        replay(one_block(np.random.default_rng(1)), Replay(entries))
+        replay(one_block(np.random.default_rng(1)), Replay([*entries[:at], (changed, answer), *entries[at + 1 :]]))
 
 
 def test_limit_allows_rounding():

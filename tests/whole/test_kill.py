@@ -51,8 +51,8 @@ RUN = ["run", "tutorial", "--participant", "P01", "--rig", "console", "--seed", 
 
 
 def files(root):
-    return {path: content for path, content in contents(root).items() if "_interruptions" not in path.name
-            and not path.name.startswith(".")}  # fmt: skip
+    found = contents(root).items()
+    return {path: content for path, content in found if "_interruptions" not in path.name and path.name[0] != "."}
 
 
 def timeless(content, name):
@@ -93,13 +93,13 @@ class Participant:
             os.close(output)
 
     def _talk(self, source, output):
-        heard = b""
+        text = b""
         while part := os.read(output, 4096):
-            heard += part
-            asked = re.search(rb"\[trial (\d+)\] [^\n]*\(0 = no, 1 = yes\): $", heard)
-            if asked:
-                os.write(source, b"%d\n" % (int(asked[1]) * 7 % 3 == 1))
-                heard = b""
+            text += part
+            question = re.search(rb"\[trial (\d+)\] [^\n]*\(0 = no, 1 = yes\): $", text)
+            if question:
+                os.write(source, b"%d\n" % (int(question[1]) * 7 % 3 == 1))
+                text = b""
 
 
 def check_rows(root, whole):
