@@ -208,7 +208,7 @@ def test_command_prints_writes_and_draws(tmp_path, capsys):
 
 def test_command_writes_a_page_and_json(tmp_path, capsys):
     words = ("cost", "spectral-sensitivity", "--rounds", 1)
-    assert status(*words, "--page", tmp_path / "all.md") == 0
+    output(capsys, *words, "--page", tmp_path / "all.md")
     text = (tmp_path / "all.md").read_text(encoding="utf-8")
     assert "## spectral-sensitivity" in text
     assert "| padded to 1.6 s | 1.8e-03 | 1.6 |" in text

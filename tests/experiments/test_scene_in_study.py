@@ -6,7 +6,7 @@ import electrovibration_formula
 import hybrid_formula
 import pytest
 import time_reversal_formula
-from command_line import output, refused
+from command_line import call, output
 from places import DOCS, ROOT
 from scene_studies import EFFECT_LINES, SHORT, TUTORIAL, scene
 from study_texts import changed, wired
@@ -179,7 +179,8 @@ SENTENCES = [
 def test_imperceptible_scene_is_refused_before_playing(text, sentence, tmp_path, capsys):
     path = tmp_path / "s.toml"
     path.write_text(text, encoding="utf-8")
-    said = refused(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    code, said, _ = call(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    assert code == 2
     assert "s.toml, " in said
     assert sentence in said
     assert not (tmp_path / "d").exists()
