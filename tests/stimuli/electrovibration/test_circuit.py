@@ -1,21 +1,15 @@
-"""The exact recurrence for sampled voltages, against closed forms and an independent solver."""
+"""Corneum voltage and force, against closed forms and `solve_ivp` at a tolerance of 1e-12."""
 
 import numpy as np
 import pytest
-from corneum_closed_form import (
-    sine_mean_force_n,
-    sine_voltage_v,
-    square_edge_v,
-    square_harmonic_force_n,
-    square_mean_force_n,
-    step_voltage_v,
-)
+from corneum_closed_form import sine_voltage_v, step_voltage_v
 from hypothesis import given, strategies as st
 from sampled_corneum import corneum_voltage_v
 from scipy.integrate import solve_ivp
 
-from tactometry.stimuli.electrovibration import Skin, electrostatic_force_n
-from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
+from tactometry.stimuli.electrovibration import PulseTrain, Sine, Skin, Square, Step, Trapezoid, electrostatic_force_n
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, Solution
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 
 P0 = Skin()
 AREA_M2 = 1e-4
@@ -69,42 +63,6 @@ def test_sampled_sine_error_falls_with_step_squared() -> None:
     assert errors_v[0] / errors_v[1] == pytest.approx(100, rel=0.05)
 
 
-def test_sine_force_is_mean_plus_double_frequency() -> None:
-    rate_hz, frequency_hz = 1e6, 250.0
-    t_s = np.arange(40_000) / rate_hz
-    force_n = sc_force_n(100 * np.sin(2 * np.pi * frequency_hz * t_s), rate_hz)[-20_000:]
-    mean_n = float(sine_mean_force_n(frequency_hz, 100.0, P0, AREA_M2))
-    amplitudes_n = np.abs(np.fft.rfft(force_n)) / force_n.size * np.r_[1, np.full(10_000, 2)]
-    bins = (np.array([0, 1, 2, 3]) * frequency_hz * force_n.size / rate_hz).astype(int)
-    np.testing.assert_allclose(amplitudes_n[bins], [mean_n, 0, mean_n, 0], rtol=1e-5, atol=1e-5 * mean_n)
-    assert force_n.max() == pytest.approx(2 * mean_n, rel=1e-5)
-
-
-def test_square_in_steady_state() -> None:
-    rate_hz, frequency_hz = 1.2e6, 60.0
-    n_half = int(rate_hz / frequency_hz / 2)
-    voltage_v = 100 * np.tile(np.r_[np.ones(n_half), -np.ones(n_half)], 3)
-    force_n = sc_force_n(voltage_v, rate_hz)[-2 * n_half :]
-    # A jump of the samples is a ramp of one sample h: its end lies h/(2 tau) below the edge of a true square.
-    assert force_n.max() == pytest.approx(
-        force_per_square_volt_n(P0, AREA_M2) * float(square_edge_v(frequency_hz, 100.0, P0)) ** 2, rel=3e-3
-    )
-    assert force_n.mean() == pytest.approx(float(square_mean_force_n(60.0, 100.0, P0, AREA_M2)), rel=3e-3)
-    amplitudes_n = 2 * np.abs(np.fft.rfft(force_n)) / force_n.size
-    expected_n = square_harmonic_force_n([1, 2, 3], frequency_hz, 100.0, P0, AREA_M2)
-    np.testing.assert_allclose(amplitudes_n[[2, 4, 6]], expected_n, rtol=3e-3)
-
-
-def test_constant_offset_force_decays_in_ten_time_constants() -> None:
-    rate_hz = 1e5
-    t_s = np.arange(20_000) / rate_hz
-    late = t_s > 40 * P0.tau_s
-    tone_v = 100 * np.sin(2 * np.pi * 60 * t_s)
-    np.testing.assert_allclose(
-        sc_force_n(tone_v + 50, rate_hz)[late], sc_force_n(tone_v, rate_hz)[late], rtol=0, atol=1e-15
-    )
-
-
 @given(area_m2=st.floats(1e-9, 1.0), factor=st.floats(0.1, 10))
 def test_force_is_proportional_to_area_without_body_resistance(area_m2: float, factor: float) -> None:
     voltage_v = np.random.default_rng(2).normal(size=50)
@@ -117,21 +75,6 @@ def test_force_over_area_depends_on_area_with_body_resistance() -> None:
     step_v = np.full(20, 100.0)
     one, other = (sc_force_n(step_v, 1e6, skin, a)[1:] / a for a in (1e-4, 2e-4))
     assert np.abs(one / other - 1).max() > 0.1
-
-
-def test_body_resistance_matches_numerical_circuit_solution() -> None:
-    skin = Skin(body_resistance_ohm=1e4)
-    c_i, c_sc = skin.insulator_capacitance_f(AREA_M2), skin.corneum_capacitance_f(AREA_M2)
-    r_sc, r_b = skin.corneum_resistance_ohm(AREA_M2), skin.body_resistance_ohm
-
-    def slope(_: float, v: np.ndarray) -> list[float]:
-        current_a = (100 - v[0] - v[1]) / r_b
-        return [current_a / c_i, (current_a - v[1] / r_sc) / c_sc]
-
-    t_s = np.arange(500) / 1e6
-    solved = solve_ivp(slope, (0, t_s[-1]), [0, 0], t_eval=t_s, method="DOP853", rtol=1e-12, atol=1e-12)
-    found_v = corneum_voltage_v(np.full(500, 100.0), 1e6, skin, AREA_M2)
-    np.testing.assert_allclose(found_v, solved.y[1], rtol=0, atol=1e-8)
 
 
 @pytest.mark.parametrize("body_ohm", [1e-6, 1e-3])
@@ -154,3 +97,54 @@ def test_force_is_finite_and_nonnegative_at_any_resistivity(rho: float, body_ohm
     force_n = sc_force_n(np.array([100.0, -100.0, 0.0, 3.0]), 1e4, skin)
     assert np.isfinite(force_n).all()
     assert (force_n >= 0).all()
+
+
+END_S, PEAK_V, TOLERANCE = 0.02, 100.0, 1e-12
+
+
+INPUTS = {
+    "sine": Sine(frequency_hz=240.0, ramp_s=0.0, duration_s=END_S),
+    "step": Step(onset_s=1e-3, duration_s=END_S),
+    "trapezoid": Trapezoid(rise_s=1e-3, high_s=3e-3, fall_s=1e-3, low_s=3e-3, low_ratio=-0.5, duration_s=END_S),
+    "square": Square(frequency_hz=120.0, ramp_s=0.0, duration_s=END_S),
+    "pulses": PulseTrain(frequency_hz=120.0, width_s=1e-3, ramp_s=0.0, duration_s=END_S, polarity="alternating"),
+}
+
+
+def integrated_v(skin: Skin, pieces: Pieces, t_s: np.ndarray) -> np.ndarray:
+    """Corneum voltage (n_times,) of insulator, corneum and body by an adaptive solver, piece by piece, from rest."""
+    c_i, c_s = skin.insulator_capacitance_f(AREA_M2), skin.corneum_capacitance_f(AREA_M2)
+    r_s, r_b = skin.corneum_resistance_ohm(AREA_M2), skin.body_resistance_ohm
+    state, found_v = np.zeros(2), np.empty(t_s.size)
+    for i, (start, end) in enumerate(zip(pieces.starts_s, [*pieces.starts_s[1:], pieces.end_s], strict=True)):
+
+        def slope(t: float, v: np.ndarray, i: int = i) -> list[float]:
+            applied_v = pieces.value_in(np.array(i), np.array(t))
+            current_a = (applied_v - v[0] - v[1]) / r_b
+            return [current_a / c_i, (current_a - v[1] / r_s) / c_s]
+
+        inside = (t_s >= start) & (t_s < end if end < pieces.end_s else t_s <= end)
+        at_s = np.unique(np.r_[t_s[inside], end])
+        run = solve_ivp(slope, (start, end), state, t_eval=at_s, method="DOP853", rtol=TOLERANCE, atol=TOLERANCE)
+        found_v[inside], state = run.y[1][: inside.sum()], run.y[:, -1]
+    return found_v
+
+
+@pytest.mark.parametrize("name", INPUTS)
+def test_exact_solution_matches_adaptive_solver(name: str) -> None:
+    skin, pieces = Skin(body_resistance_ohm=1e5), INPUTS[name].pieces(40.0)
+    t_s = np.linspace(0, END_S, 101)
+    found_v = Solution(pieces, skin.relaxations(AREA_M2)).at(t_s)
+    np.testing.assert_allclose(found_v, integrated_v(skin, pieces, t_s), rtol=0, atol=10 * TOLERANCE * PEAK_V)
+    assert np.abs(found_v).max() > 10
+
+
+def test_sampled_voltage_with_body_resistance_matches_adaptive_solver() -> None:
+    skin, t_s = Skin(body_resistance_ohm=1e4), np.arange(500) / 1e6
+    found_v = corneum_voltage_v(np.full(500, 100.0), 1e6, skin, AREA_M2)
+    expected_v = integrated_v(skin, straight([0.0, t_s[-1]], [100.0, 100.0]), t_s)
+    np.testing.assert_allclose(found_v, expected_v, rtol=0, atol=1e-8)
+
+
+def test_infinite_relaxation_rate_passes_no_sample() -> None:
+    assert not Relaxations((1.0,), (np.inf,)).sampled(np.array([5.0, 1.0, -3.0]), 1e3).any()

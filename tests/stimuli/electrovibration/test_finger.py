@@ -230,3 +230,16 @@ def test_skin_of_one_exponent_without_mass_scales_with_the_force() -> None:
     skin = SkinMobility(mass_kg=0.0, stiffness_exponent=0.4, damping_exponent=0.4)
     f_hz = np.array([0.0, 30.0, 480.0, 1e5])
     np.testing.assert_allclose(skin.gain_m_per_n(f_hz, 100.0) * 100.0**0.4, skin.gain_m_per_n(f_hz, 1.0), rtol=1e-12)
+
+
+def test_almost_uniform_times_are_not_treated_as_uniform() -> None:
+    form = force_form("interface", Skin(), AREA_M2)
+    even_s = np.linspace(0, 0.05, 51)[1:-1]
+    jitter_s = even_s * (1 + 3e-5 * np.sin(np.arange(even_s.size)))
+
+    def deflection_m(t_s: np.ndarray) -> np.ndarray:
+        return sliding(t_s, SINE, form, finger=FINGER, friction=FRICTION, force_n=0.01).deflection_m
+
+    together = deflection_m(jitter_s)
+    alone = [deflection_m(np.array([t_s]))[0] for t_s in jitter_s]
+    np.testing.assert_allclose(together, alone, rtol=1e-11)

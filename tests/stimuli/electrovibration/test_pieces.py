@@ -230,3 +230,17 @@ def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value) == message
+
+
+def test_alternating_pulses_change_sign_at_pulse_frequency() -> None:
+    train = PulseTrain(frequency_hz=50.0, width_s=1e-3, duration_s=0.1, ramp_s=0.0, polarity="alternating")
+    samples = train.at(0.0).samples[0]
+    starts = np.flatnonzero(np.diff(np.abs(samples), prepend=0) > 0)
+    assert starts.tolist() == [0, 400, 800, 1200, 1600]
+    assert samples[starts].tolist() == [1.0, -1.0, 1.0, -1.0, 1.0]
+    assert (train.voltage_frequency_hz, train.force_frequency_hz) == (25.0, 50.0)
+
+
+def test_a_step_falls_before_its_end() -> None:
+    samples = Step(fall_s=0.2, duration_s=0.4, rate_hz=10.0).at(20.0).samples[0]
+    np.testing.assert_allclose(samples, [10.0, 10.0, 10.0, 5.0])

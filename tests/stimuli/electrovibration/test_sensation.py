@@ -24,6 +24,7 @@ from tactometry.stimuli.electrovibration import (
 from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
 from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
 from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.stages.record import recorded
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 
 MODEL = felt_by(ElectrovibrationSensation())
@@ -259,3 +260,12 @@ def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("n", [8, 9, 400, 401])
+def test_doubled_rate_keeps_original_samples(n: int) -> None:
+    voltage_v = np.random.default_rng(n).normal(size=n)
+    finer = recorded(Signal(voltage_v[None], 20e3, "V"), share=1e-4)
+    found_v, rate_hz = finer.voltage_v, finer.rate_hz
+    assert (found_v.size, rate_hz) == (2 * n, 40e3)
+    np.testing.assert_allclose(found_v[::2], voltage_v, atol=1e-12)

@@ -16,7 +16,6 @@ from tactometry.stimuli.electrovibration.skin.stack import DispersiveLayer
 from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 
 AREA_M2 = 1e-4
-GLASS = Layer(1e-6, 3.9)
 leaky = st.builds(
     Layer,
     thickness_m=st.floats(1e-8, 1e-2),
@@ -194,3 +193,11 @@ def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("gap_m", [1e-7, 5e-6])
+def test_gap_skin_share_and_time_constant_match_stack(gap_m: float) -> None:
+    skin = Skin(gap_m=gap_m)
+    found = skin.relaxations(AREA_M2)
+    assert found.gains[0] == pytest.approx(skin.k, rel=1e-13)
+    assert 1 / found.rates_per_s[0] == pytest.approx(skin.tau_s, rel=1e-13)

@@ -313,3 +313,9 @@ def test_slow_finger_sticks_without_extra_steps(monkeypatch, speed_m_per_s: floa
     hard_case("finger of 1 pm/s that sticks (m)", motion.stretch_m, speed_m_per_s * T_S, 1e-12, against="the way")
     lateral_n = finger.stiffness_n_per_m * speed_m_per_s * T_S + finger.damping_n_s_per_m * speed_m_per_s
     assert motion.lateral_n == pytest.approx(lateral_n, rel=1e-12)
+
+
+def test_stuck_skin_accelerates_with_finger() -> None:
+    motion = run(QUIET, friction=DryFriction(), force_n=100.0, travel=Travel(0.01, 0.3))
+    assert not motion.direction.any()
+    np.testing.assert_array_equal(motion.stretch_m_per_s2, 0.3)

@@ -26,7 +26,6 @@ TEXTURES = [
     NOISE,
     GreyImage(1e-3, tuple(np.linspace(0, 1, 50).tolist())),
 ]
-RATE_HZ = 20_000.0
 
 
 @pytest.mark.parametrize("texture", TEXTURES)
@@ -180,3 +179,38 @@ def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value) == message
+
+
+def test_area_table_starts_at_zero_force() -> None:
+    table = TableArea((0.2, 1.5), (0.5e-4, 1.5e-4))
+    np.testing.assert_allclose(table.area_m2([0.0, 0.1, 0.2]), [0.0, 0.25e-4, 0.5e-4], atol=1e-18)
+
+
+def test_a_constant_area_is_none_without_force() -> None:
+    np.testing.assert_array_equal(PowerLawArea(exponent=0.0).area_m2([0.0, 1.0]), [0.0, 1e-4])
+
+
+def test_a_region_ends_at_both_of_its_edges() -> None:
+    share = Region(0.01, 0.03).force_share([0.0, 0.01, 0.02, 0.03, 0.04])
+    np.testing.assert_array_equal(share, [0.0, 1.0, 1.0, 0.0, 0.0])
+
+
+def test_second_reversal_starts_from_current_pile() -> None:
+    velvet = Velvet(with_pile=0.2, against_pile=1.0, tuft_depth=0.0, reversal_m=2e-3)
+    path_m = np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0.049, 11)[1:], np.linspace(0.049, 0.06, 111)[1:]]
+    share = velvet.force_share_along(path_m)
+    turned = 1 - 0.8 * np.exp(-0.5)
+    assert share[510] == pytest.approx(turned, rel=1e-9)
+    np.testing.assert_allclose(share[511:], 0.2 + (turned - 0.2) * np.exp(-(path_m[511:] - 0.049) / 2e-3), rtol=1e-9)
+
+
+def test_pause_does_not_turn_velvet_pile() -> None:
+    back_m, velvet = np.linspace(0.05, 0.03, 201), Velvet(tuft_depth=0.0)
+    path_m = np.r_[0.0, 0.05, back_m]
+    waiting_m = np.r_[path_m[:50], np.full(7, path_m[49]), path_m[50:]]
+    found = np.delete(velvet.force_share_along(waiting_m), np.s_[50:57])
+    np.testing.assert_allclose(found, velvet.force_share_along(path_m), rtol=1e-14)
+
+
+def test_noise_has_no_line_at_0() -> None:
+    assert Noise.drawn(1e-9, 100.0, 0.1, rng=np.random.default_rng(1)).lines_per_m[0] == pytest.approx(10.0)
