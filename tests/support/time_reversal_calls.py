@@ -1,6 +1,6 @@
 """Valid arguments of every public function of time reversal."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,15 @@ from time_reversal_parts import (
 from tactometry.contact import Contact
 from tactometry.stimuli.composition.effect import Demand
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
-from tactometry.stimuli.time_reversal import DiscPatch, Fingertip, Glass, Pattern, Target, TimeReversalStimulus
+from tactometry.stimuli.time_reversal import (
+    DiscPatch,
+    Fingertip,
+    Glass,
+    Pattern,
+    Target,
+    TimeReversalSensation,
+    TimeReversalStimulus,
+)
 from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.filters import Butterworth
 from tactometry.stimuli.time_reversal.finger import Contactor
@@ -49,9 +57,12 @@ from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Raise
 from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.pulp import PulpLoad, Tissue
+from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, SprungMass
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.glass_panel import GlassPanel
 from tactometry.stimuli.time_reversal.screen.transducer import Patch, PointForce
 from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place, PlacedFoci
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
@@ -388,3 +399,33 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "border": {"plate": PLATE, "n_transducers": 4, "side_m": 0.01, "inset_m": 0.012, "moment_n_per_v": 1e-3},
         },
     }  # fmt: skip
+
+
+def constructors() -> Iterator[tuple[str, object]]:
+    """Sound instances, whose fields are the arguments of their classes."""
+    yield from {
+        "screen.attenuation": Attenuation(3e-3, 0.1),
+        "design.closed_forms": ROOM, "finger": (Contactor("soft"),), "fingertip": (Fingertip(10.0),),
+        "pulp": (Tissue(), PulpLoad(0.1, 0.1, 6e-3)),
+        "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN),
+        "focusing.focusing": EMISSION,
+        "stimulus.focus_train": (
+            TRAIN, TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
+        ),
+        "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
+        "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"),
+        "responses.load": (PlateLoad(0.1, 0.1, 10.0), SprungMass(0.1, 0.1, 1e-3, 1e5)),
+        "focusing.pattern": (
+            Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
+        ),
+        "plate.plate": PLATE, "focusing.quantiser": Analogue(),
+        "focusing.one_bit": OneBit(),
+        "focusing.sigma_delta": SigmaDelta(), "focusing.pulse_width": PulseWidth(200.0),
+        "responses.responses": RESPONSES, "screen.screen": SCREEN,
+        "screen.glass_panel": GlassPanel(),
+        "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,
+        "focusing.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
+        "filters": (BAND, Butterworth(500.0)),
+        "design.thickness": SHEETS[0],
+        "screen.transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01)),
+    }.items()  # fmt: skip

@@ -148,3 +148,7 @@ def test_sampled_voltage_with_body_resistance_matches_adaptive_solver() -> None:
 
 def test_infinite_relaxation_rate_passes_no_sample() -> None:
     assert not Relaxations((1.0,), (np.inf,)).sampled(np.array([5.0, 1.0, -3.0]), 1e3).any()
+
+
+def test_corneum_bears_no_constant_voltage() -> None:
+    assert P0.gain(0.0) == 0

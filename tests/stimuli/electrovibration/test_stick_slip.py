@@ -274,21 +274,6 @@ def test_gated_voltage_does_not_increase_sticking() -> None:
     np.testing.assert_allclose(breaks_s, [(limit - c * 0.01) / k / 0.01 for limit in limits_n], rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: DryFriction(0.4, 0.5),
-         "DryFriction.static: found 0.4, expected at least the kinetic coefficient (0.5)"),
-        (lambda: Travel(float("nan")), "Travel.speed_m_per_s: found nan, expected a finite number"),
-        (lambda: run(force_n=-1.0), "stick_slip.force_n: found -1.0, expected a finite number, at least 0"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
-    with pytest.raises(InvalidParameter) as caught:
-        call()
-    assert str(caught.value) == message
-
-
 def test_too_many_events_stop_with_their_time() -> None:
     with pytest.raises(
         InvalidParameter, match=r"too many changes between stick and slip \(n_events_max, 3, is reached\)"

@@ -150,37 +150,6 @@ def test_a_power_law_scales(force_n: float, factor: float) -> None:
     assert abs(ratio) <= 1e-12
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: Grating(0.0), "Grating.period_m: found 0.0, expected a finite number above 0"),
-        (lambda: Grating(1e-3, "sinusoid"),
-         "Grating.shape: found 'sinusoid', expected one of square, sinusoidal, sawtooth; did you mean 'sinusoidal'?"),
-        (lambda: Grating(1e-3, duty=1.5), "Grating.duty: found 1.5, expected a number from 0 to 1"),
-        (lambda: Region(0.03, 0.01),
-         "Region: found 0.03 to 0.01 m with edges of 0.0 m, expected a right edge at least edge_m to the "
-         "right of the left one"),
-        (lambda: Noise(100.0, 1000.0, 0.1, (0.0,)),
-         "Noise.phases_rad: found 1, expected one for each of the 91 lines between 100.0 and 1000.0 per m "
-         "(multiples of 1/length_m), at least one; use Noise.drawn"),
-        (lambda: Velvet(with_pile=2.0), "Velvet.with_pile: found 2.0, expected a number from 0 to 1"),
-        (lambda: Bump(0.0, 1e-3, height_sign=0), "Bump.height_sign: found 0, expected one of 1, -1"),
-        (lambda: TableArea((1.0,), (1e-4,)).area_m2(2.0),
-         "TableArea: found a force of 2.0 N, expected at most the last of the table (1.0 N); measure further or "
-         "use a PowerLawArea"),
-        (lambda: TableArea((2.0, 1.0), (1.0, 1.0)), "TableArea.forces_n: found (2.0, 1.0), expected ascending forces"),
-        (lambda: TableArea((1.0,), ()),
-         "TableArea: found 1 forces and 0 areas, expected equal numbers, at least one"),
-        (lambda: power_law_of_prints([Print(1.0, 0.01, 0.01)]),
-         "power_law_of_prints: found 1 prints, expected prints at two or more forces"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
-    with pytest.raises(InvalidParameter) as caught:
-        call()
-    assert str(caught.value) == message
-
-
 def test_area_table_starts_at_zero_force() -> None:
     table = TableArea((0.2, 1.5), (0.5e-4, 1.5e-4))
     np.testing.assert_allclose(table.area_m2([0.0, 0.1, 0.2]), [0.0, 0.25e-4, 0.5e-4], atol=1e-18)

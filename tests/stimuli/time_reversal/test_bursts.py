@@ -6,10 +6,9 @@ from hypothesis import given, strategies as st
 from scipy.signal import fftconvolve
 from time_reversal_parts import SETUP
 
-from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.errors import LimitExceeded
 from tactometry.stimuli.time_reversal.focusing.bursts import RESOLVED, Bursts
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, Pattern
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
 
@@ -82,22 +81,3 @@ def test_level_above_burst_range_is_refused_with_fix():
     coarse = TimeReversalStimulus(Responses(np.ones((1, 1, 4)), 1e3), supply_v=1.0)
     with pytest.raises(LimitExceeded, match="found 1.5 m, a focus of 1.5e.06 um, .* the nearest has 1e.06 um"):
         coarse.at(1.5)
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: FocusTrain(drive="analogue", supply_v=30.0),
-         "supply_v: found 30 with an analogue drive, expected dri"),
-        (lambda: TimeReversalStimulus(HEARD, quantiser=Analogue(), supply_v=30.0), "TimeReversalStimulus.supply_v"),
-        (lambda: FocusTrain(supply_v=0.0), "FocusTrain.supply_v: found 0.0, expected"),
-        (lambda: TimeReversalStimulus(HEARD, Pattern(20.0, 0.1), reversal_s=0.06, supply_v=30.0).at(1.0),
-         "reversal_s: found 0.06 s, expected at most the 0.05 s between foci, .*; shorten it"),
-    ],
-)  # fmt: skip
-def test_supply_voltage_is_refused_when_drive_cannot_switch(make, message):
-    with pytest.raises(InvalidParameter, match=message):
-        make()
-
-
-HEARD = Responses(np.ones((1, 2, 100)), 1e3)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.errors import LimitExceeded
 from tactometry.safety.limits import Limits
 from tactometry.signal import Stimulus
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
@@ -192,21 +192,19 @@ def test_sigma_delta_stimulus(focus):
     assert set(np.unique(signal.samples)) == {-30.0, 30.0} or signal.peak == pytest.approx(30.0)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda h: Pattern(0.0, 1.0), "Pattern.repetition_hz: found 0.0"),
-        (lambda h: Exponential(0.0), "Exponential.decay: found 0.0"),
-        (lambda h: Table((1.0,)), "Table.values: found (1.0,)"),
-        (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, path=[0, 9]),
-         "path: found [0, 9], expected 10 rows from 0 to 1"),
-        (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="burst"), "tau_s: found None"),
-        (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="x"), "pattern_drive.modulation: found 'x'"),
-        (lambda h: TimeReversalStimulus(h, level_unit="V"), "TimeReversalStimulus.level_unit: found 'V'"),
-        (lambda h: TimeReversalStimulus(h).at(0.0), "TimeReversalStimulus.level: found 0.0, expected a finite number"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_refused_in_one_sentence(focus, call, message):
-    with pytest.raises(InvalidParameter) as caught:
-        call(focus)
-    assert str(caught.value).startswith(message)
+def test_the_whole_weight_takes_the_whole_reversal():
+    assert burst_s(1.0, 7e-3, 1e-6) == 7e-3
+    assert burst_s(0.0, 7e-3, 3e-3) == 0.0
+
+
+MOVING = Responses(1e-9 * np.random.default_rng(0).standard_normal((2, 3, 40)), 1e3)
+
+
+@pytest.mark.parametrize("modulation", ["voltage", "burst"])
+def test_moving_focus_level_is_its_largest_amplitude(modulation):
+    pattern = Pattern(10.0, 0.4, Table((0.5, 1.0)))
+    stimulus = TimeReversalStimulus(MOVING, pattern, path=(0, 1, 0, 1), modulation=modulation, tau_s=0.02)
+    level = 0.5 * stimulus.level_max
+    moved = np.abs(emitted(stimulus.at(level), MOVING)[[0, 1, 0, 1], focus_samples(pattern, 1e3, 40)])
+    assert moved.max() == pytest.approx(level, rel=1e-12)
+    assert moved[3] > moved[1]
