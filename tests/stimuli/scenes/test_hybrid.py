@@ -193,11 +193,6 @@ def test_mp4_film_requires_ffmpeg(tmp_path, monkeypatch):
     assert not (tmp_path / "b.mp4").exists()
 
 
-def test_overlong_film_is_refused_with_fix():
-    with pytest.raises(InvalidParameter, match=r"movie: found a span of 0\.01 s, .*shorten it or raise them"):
-        screen(effect("movie", span_s=0.01), outputs=("movie_m",)).resolve()
-
-
 def test_hybrid_screen_has_resting_and_sliding_finger():
     contacts = load_scene(path_of("hybrid-screen")).scene.contacts
     assert [touch.slides for touch in contacts] == [False, True]

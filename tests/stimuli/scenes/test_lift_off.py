@@ -4,12 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scene_cases import effect, screen, small_screen
+from scene_cases import effect, screen
 from scene_errors import LOSSY, run
 
-from tactometry.errors import InvalidParameter
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contacts
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
@@ -80,11 +78,3 @@ def test_light_finger_lifts_off_next_to_firm_finger():
 def test_no_voltage_throws_nothing_off():
     got = touched(effect("lift_off")).resolve().run({"voltage_v": 0.0})
     assert not any(np.any(got[name]) for name in (*COURSES[1:], "contact_lost_s"))
-
-
-def test_lift_off_is_refused_without_suitable_load():
-    with pytest.raises(InvalidParameter, match=r"'lift_off' without an effect in slot load"):
-        Scene(small_screen(), (effect("lift_off"),), ("peak_m",), contacts=LIGHT)
-    heavy = screen(*DRIVE, effect("finger_load", mass_kg=1e-4), effect("lift_off"))
-    with pytest.raises(InvalidParameter, match=r"FingerLoad.mass_kg: found 0.0001, expected 0 with lift_off"):
-        heavy.resolve()
