@@ -4,7 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy.stats import binom, chi2, norm
+from bounds import ALPHA, is_rate
+from scipy.stats import chi2, norm
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.sessions.in_memory import simulated_trials
@@ -25,7 +26,6 @@ from tactometry.observers.changes import (
 from tactometry.observers.kinds import population_of
 from tactometry.observers.signal_detection import SignalDetectionObserver
 
-ALPHA = 1e-4
 TUTORIAL = builtin()["tutorial"].read_bytes()
 
 
@@ -48,13 +48,11 @@ def test_learning_and_fatigue_follow_their_formulas():
 def test_lapse_runs_have_the_stated_rate_and_length():
     change, n = LapsesInRuns(0.1, 0.25), 3000
     lost = [change.shift(200, (), rng(k)).lapse_rate > 0 for k in range(n)]
-    low, high = binom.ppf([ALPHA / 2, 1 - ALPHA / 2], n, 0.1 / 0.35)
-    assert low <= sum(lost) <= high
+    assert is_rate(sum(lost), 0.1 / 0.35, n)
     course = [change.shift(k, (), rng()).lapse_rate > 0 for k in range(400)]
     assert course == [change.shift(k, (), rng()).lapse_rate > 0 for k in range(400)]
     returned = sum(a and not b for a, b in itertools.pairwise(course))
-    low, high = binom.ppf([ALPHA / 2, 1 - ALPHA / 2], sum(course[:-1]), 0.25)
-    assert low <= returned <= high
+    assert is_rate(returned, 0.25, sum(course[:-1]))
 
 
 @pytest.mark.parametrize("n_trials", [0, 1, 80])

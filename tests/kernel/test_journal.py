@@ -51,35 +51,22 @@ def test_trials_file_is_derived_from_the_journal(lived):
     assert trials == trials_csv(recording.trials, Session("P01", 1, "tutorial"), "simulated", columns)
 
 
-@pytest.fixture
-def n_syncs(monkeypatch):
-    """List that gains an item with every synced file."""
-    synced, sync = [], os.fsync
-
-    def counted(file):
-        synced.append(file)
-        sync(file)
-
-    monkeypatch.setattr(os, "fsync", counted)
-    return synced
-
-
 @pytest.mark.parametrize("rig", RIGS)
-def test_trials_are_synced_singly_except_in_simulations(tmp_path, n_syncs, rig):
+def test_trials_are_synced_singly_except_in_simulations(tmp_path, synced, rig):
     keeper = OpenSession(tmp_path, EXPERIMENT.design(TOML), Session("P01", 1, "tutorial"), rig, resume=False)
-    before = len(n_syncs)
+    before = len(synced)
     for n in range(5):
         keeper.append(Record(Trial(1, n, {}, "staircase", 20.0, "V", "yes_no", 1)), Done(float(n)))
-    assert len(n_syncs) - before == (0 if rig == "simulated" else 5)
+    assert len(synced) - before == (0 if rig == "simulated" else 5)
     keeper.close()
     journal = keeper.journal.path.read_bytes()
     assert journal.count(b"\n") == 5
-    assert len(n_syncs) - before == (2 if rig == "simulated" else 6)
+    assert len(synced) - before == (2 if rig == "simulated" else 6)
 
 
-def test_number_of_syncs_is_independent_of_trials(tmp_path, n_syncs):
+def test_number_of_syncs_is_independent_of_trials(tmp_path, synced):
     n_trials = live(tmp_path / "d").n_trials
-    assert len(n_syncs) < 20 < n_trials
+    assert len(synced) < 20 < n_trials
 
 
 def test_recorded_session_is_not_overwritten(lived):

@@ -278,12 +278,18 @@ def test_limit_is_finite_and_above_zero(name, value):
         Limits(**{"voltage_peak_v": 1.0, name: value})
 
 
-@pytest.mark.parametrize("name", ["duty", "duty_window_s"])
-def test_duty_is_between_zero_and_one(name):
-    with pytest.raises(InvalidParameter, match=f"^Limits.{name}: found 0.0"):
-        Limits(1.0, **{name: 0.0})
-    with pytest.raises(InvalidParameter, match="^Limits.duty: found 1.5, expected at most 1"):
-        Limits(1.0, duty=1.5)
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"duty": 0.0}, "duty: found 0.0"),
+        ({"duty": 1.5}, "duty: found 1.5, expected at most 1"),
+        ({"duty_window_s": 0.0}, "duty_window_s: found 0.0"),
+        ({"duty_window_s": 3601.0}, "duty_window_s: found 3601, expected at most 3600"),
+    ],
+)
+def test_limits_refuse_impossible_duty(change, message):
+    with pytest.raises(InvalidParameter, match=rf"^Limits\.{message}"):
+        Limits(1.0, **{"duty_window_s": 3600.0, **change})
 
 
 @pytest.mark.parametrize(
@@ -369,9 +375,3 @@ def test_unlimited_limits_refuse_nothing():
     limits.check(in_volts(np.full((1, round(2 * LONGEST_SIGNAL_S * RATE_HZ)), 1e9)))
     limits.check_force(1e9, 0.1)
     limits.check_exposure(Exposure(0.0), 1e9, 1.0, 1e9)
-
-
-def test_limits_refuse_a_long_duty_window():
-    Limits(1.0, duty_window_s=3600.0)
-    with pytest.raises(InvalidParameter, match=r"Limits\.duty_window_s: found 3601, expected at most 3600"):
-        Limits(1.0, duty_window_s=3601.0)

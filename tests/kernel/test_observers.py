@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from bounds import is_rate
 from scipy.integrate import quad
-from scipy.stats import binom, norm
+from scipy.stats import norm
 from study_texts import TUTORIAL as CONSTANT_TUTORIAL, refusal, wired
 
 from tactometry.experiments.sessions.in_memory import simulated_trials
@@ -13,16 +14,11 @@ from tactometry.observers.psychometric import PsychometricObserver
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.psychometric import PsychometricFunction
 
-N, ALPHA = 100_000, 1e-4
+N = 100_000
 NOTHING = -np.inf
 TUTORIAL = CONSTANT_TUTORIAL.partition("\n[observer]")[0]
 DETECTS = SignalDetectionObserver(lapse_rate=0.04, bias=0.2, exponent=1.5)
 KNOWN = PsychometricObserver(20.0, 8.0, false_alarm_rate=0.1, lapse_rate=0.03, sensitivity_db=2.0)
-
-
-def is_rate(n_yes, p, n=N):
-    """Return True if `n_yes` of n is within the binomial bounds for p."""
-    return binom.ppf(ALPHA / 2, n, p) <= n_yes <= binom.isf(ALPHA / 2, n, p)
 
 
 def right_of(m, d_prime):
@@ -34,14 +30,14 @@ def right_of(m, d_prime):
 def test_signal_detection_yes_rate_follows_its_formula(level_db):
     rng = np.random.default_rng()
     p = 0.96 * norm.cdf(DETECTS.d_prime(level_db) - DETECTS.criterion - 0.2) + 0.02
-    assert is_rate(sum(DETECTS.detect(level_db, rng) for _ in range(N)), p)
+    assert is_rate(sum(DETECTS.detect(level_db, rng) for _ in range(N)), p, N)
 
 
 @pytest.mark.parametrize("m", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_signal_detection_choices_follow_its_formula(m):
     rng, levels = np.random.default_rng(), [NOTHING] * (m - 1) + [-2.0]
     p = 0.96 * right_of(m, DETECTS.d_prime(-2.0)) + 0.04 / m
-    assert is_rate(sum(DETECTS.compare(levels, rng) == m - 1 for _ in range(N)), p)
+    assert is_rate(sum(DETECTS.compare(levels, rng) == m - 1 for _ in range(N)), p, N)
 
 
 @pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel", "reversed_gumbel"])
@@ -51,7 +47,7 @@ def test_psychometric_observer_has_the_stated_yes_rate(shape, above):
     psi = PsychometricFunction(shape, 20.0, 8.0, 0.1, 0.02)
     p = 0.1 if above == NOTHING else float(psi.probability(20.0 + above))
     felt_db = observer.stated({}).felt_db(20.0 + above, lambda: np.nan) if above != NOTHING else NOTHING
-    assert is_rate(sum(observer.detect(felt_db, rng) for _ in range(N)), p)
+    assert is_rate(sum(observer.detect(felt_db, rng) for _ in range(N)), p, N)
 
 
 @pytest.mark.parametrize("m", [pytest.param(2, marks=pytest.mark.slow), 4])
@@ -59,17 +55,17 @@ def test_psychometric_observer_has_the_stated_choice_rate(m):
     rng, levels = np.random.default_rng(), [NOTHING] * (m - 1) + [1.0]
     p = float(PsychometricFunction("normal", 0.0, 8.0, 1 / m, 0.03).probability(1.0))
     chosen = np.bincount([KNOWN.compare(levels, rng) for _ in range(N)], minlength=m)
-    assert is_rate(chosen[-1], p)
+    assert is_rate(chosen[-1], p, N)
     for n_wrong in chosen[:-1]:
-        assert is_rate(n_wrong, (1 - p) / (m - 1))
+        assert is_rate(n_wrong, (1 - p) / (m - 1), N)
     n_identified = sum(KNOWN.identify([(NOTHING, 1.0), (1.0, NOTHING)], 1, rng) for _ in range(N))
-    assert is_rate(n_identified, float(PsychometricFunction("normal", 0.0, 8.0, 0.5, 0.03).probability(1.0)))
+    assert is_rate(n_identified, float(PsychometricFunction("normal", 0.0, 8.0, 0.5, 0.03).probability(1.0)), N)
 
 
 def test_comparison_of_two_levels_uses_stated_width():
     rng, sd = np.random.default_rng(), 8.0 / (2 * norm.isf(0.05))
     p = 0.97 * norm.cdf(2.0 / sd) + 0.015
-    assert is_rate(sum(KNOWN.compare([1.0, 3.0], rng) for _ in range(N)), p)
+    assert is_rate(sum(KNOWN.compare([1.0, 3.0], rng) for _ in range(N)), p, N)
 
 
 def test_blanks_are_chosen_equally_often():

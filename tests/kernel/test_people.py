@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, norm
+from bounds import ALPHA, is_rate, within_sd
+from scipy.stats import norm
 from study_texts import TUTORIAL as CONSTANT_TUTORIAL, refusal, wired
 
 from tactometry.errors import InvalidParameter
@@ -16,7 +17,6 @@ from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.session.request import Press
 
 N = 4000
-ALPHA = 1e-4
 SPREADS = {
     "criterion_sd": 0.3, "exponent_cv": 0.2, "lapse_cv": 0.7, "latency_cv": 0.25, "number_cv": 0.4,
     "force_bias_cv": 0.05, "speed_bias_cv": 0.1,
@@ -28,12 +28,6 @@ TUTORIAL = CONSTANT_TUTORIAL.partition("\n[observer]")[0]
 
 def draws_of(person, seed=1):
     return lambda *words: stream(seed, person, *words)
-
-
-def in_sd(values, sd):
-    """Return True if normal values are compatible with `sd`."""
-    low, high = chi2.ppf([ALPHA / 2, 1 - ALPHA / 2], len(values) - 1)
-    return low <= (len(values) - 1) * np.var(values, ddof=1) / sd**2 <= high
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +42,7 @@ def drawn():
 def test_traits_have_the_stated_spreads(drawn):
     spreads = dict(zip(TRAITS, (1.0, *SPREADS.values()), strict=True))
     for name, values in drawn.items():
-        assert in_sd(values, spreads[name])
+        assert within_sd(values, spreads[name])
         assert abs(values.mean()) <= norm.isf(ALPHA / 2) * spreads[name] / np.sqrt(N)
 
 
@@ -104,10 +98,10 @@ def test_deviations_have_the_stated_variances():
     pairs = [(n, cell) for n in range(N) for cell in (*CELLS[:2], CELLS[3])]
     felt = [people.deviation_db(cell, "electrovibration", draws_of(f"P{n}")) for n, cell in pairs]
     felt = np.reshape(felt, (N, 3))
-    assert in_sd(felt[:, 0], np.sqrt(9 + 4 + 1))
+    assert within_sd(felt[:, 0], np.sqrt(9 + 4 + 1))
     assert people.deviation_sd_db == pytest.approx(np.sqrt(14))
-    assert in_sd(felt[:, 0] - felt[:, 1], np.sqrt(2 * 4 + 2))
-    assert in_sd(felt[:, 0] - felt[:, 2], np.sqrt(2))
+    assert within_sd(felt[:, 0] - felt[:, 1], np.sqrt(2 * 4 + 2))
+    assert within_sd(felt[:, 0] - felt[:, 2], np.sqrt(2))
 
 
 def test_hybrid_deviation_is_the_mean_of_both_modalities():
@@ -156,8 +150,7 @@ def test_traits_reach_the_observer_and_the_finger():
 def test_bias_changes_false_alarms_like_a_criterion():
     observer, rng, n = SignalDetectionObserver(bias=0.4, lapse_rate=0.0), np.random.default_rng(), 100_000
     n_yes = sum(observer.detect(-np.inf, rng) for _ in range(n))
-    p = norm.sf(observer.criterion + 0.4)
-    assert abs(n_yes - n * p) <= norm.isf(ALPHA / 2) * np.sqrt(n * p * (1 - p))
+    assert is_rate(n_yes, norm.sf(observer.criterion + 0.4), n)
 
 
 def test_force_habit_shifts_force_within_the_band():

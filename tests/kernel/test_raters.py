@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, norm
+from bounds import ALPHA, within_sd
+from scipy.stats import norm
 from study_texts import refusal, wired
 
 from tactometry.experiments.sessions.in_memory import simulated_trials
@@ -14,7 +15,7 @@ from tactometry.observers.raters import Rater, Raters
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
 
-ALPHA, N = 1e-4, 2000
+N = 2000
 FORM = load("attrakdiff")
 PAGES = pages(FORM, FORM.items)
 PATTERNS = builtin()["time-reversal-patterns"].read_text("utf-8").partition("[observer]")[0]
@@ -36,11 +37,6 @@ def places(one, met=1, liking=0.0, rng=None):
         answers = one.answers(page, met, liking, rng)
         found |= {q.item: -a if q.reversed else a for q, a in zip(page.questions, answers, strict=True)}
     return found
-
-
-def within_sd(values, sd):
-    low, high = chi2.ppf([ALPHA / 2, 1 - ALPHA / 2], len(values) - 1)
-    return low <= (len(values) - 1) * np.var(values, ddof=1) / sd**2 <= high
 
 
 def test_effects_act_on_their_dimension_by_loading():

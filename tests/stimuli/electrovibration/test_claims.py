@@ -66,6 +66,7 @@ def test_offset_force_settles_when_remark_says_kept(skin: Skin) -> None:
 def test_constant_force_is_unchanged_without_remark(law: str) -> None:
     skin = P0 if law in ("total_thickness", "parallel_plate") else Skin(corneum_resistivity_ohm_m=np.inf)
     assert TONE.remark(skin, law) is None
+    assert WithOffset(Sine(frequency_hz=60.0), ratio=0.0).remark(P0, law) is None
     first_n, last_n = force_after_a_step_n(skin, law, [1e-6, 50.0])
     assert first_n == pytest.approx(last_n, rel=1e-12)
     assert first_n > 0

@@ -10,7 +10,6 @@ from hard_cases import hard_case
 from sampled_corneum import corneum_voltage_v
 
 from tactometry.stimuli.electrovibration import (
-    AmplitudeModulated,
     CoulombFriction,
     Finger,
     PulseTrain,
@@ -22,7 +21,7 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n,
     sliding,
 )
-from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at, force_form
+from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, Solution, high_passed
 
@@ -196,14 +195,6 @@ def test_nonzero_mean_voltage_is_blocked_in_steady_state(ratio: float) -> None:
     late_s = np.linspace(40 * P0.tau_s, 0.5, 301)
     blocked_v = (1 + abs(ratio)) * shifted_v.at(late_s)
     hard_case("a mean that is blocked", blocked_v, plain_v.at(late_s), 1e-12, against="no mean", floor=1)
-
-
-def test_exact_and_sampled_carrier_have_same_slow_force() -> None:
-    carrier = AmplitudeModulated(frequency_hz=240.0, carrier_hz=2000.0, rate_hz=400_000.0, duration_s=0.2)
-    sampled_n = layer_force_n(carrier.at(40.0).samples[0], rate_hz=400_000.0)[:60_000]
-    t_s = np.arange(60_000) / 400_000
-    exact_n = electrostatic_force_n_at(t_s, carrier.pieces(40.0), skin=P0, area_m2=AREA_M2, law="sc_layer")
-    np.testing.assert_allclose(sampled_n, exact_n, atol=1e-3 * exact_n.max())
 
 
 @pytest.mark.parametrize("kind", [Sine, Square])

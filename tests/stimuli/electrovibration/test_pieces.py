@@ -134,16 +134,6 @@ def test_all_periods_of_a_square_have_the_same_samples(frequency_hz: float, duty
     np.testing.assert_array_equal(square.at(0.0).samples[0], expected)
 
 
-def test_leaky_skin_blocks_offset_with_remark() -> None:
-    tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
-    assert lowest_force_hz(tone, Skin()) == pytest.approx(120.0)
-    assert tone.remark(Skin(), "sc_layer") == (
-        "WithOffset.ratio: sc_layer leaves less than 1 % of the offset's force 5 tau (1.58 ms) after its last change"
-    )
-    assert tone.remark(Skin(corneum_resistivity_ohm_m=np.inf), "sc_layer") is None
-    assert WithOffset(Sine(frequency_hz=60.0), ratio=0.0).remark(Skin(), "sc_layer") is None
-
-
 SHORT = {"rate_hz": 192_000.0, "ramp_s": 0.0, "duration_s": 0.1}
 
 

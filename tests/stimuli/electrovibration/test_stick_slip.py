@@ -235,27 +235,6 @@ def test_chatter_at_a_kilohertz_stays_exact() -> None:
     hard_case("chatter at 1 kHz (m)", again.stretch_m, motion.stretch_m[::100], 1e-13, against="other times", floor=1)
 
 
-def test_regularised_law_agrees_for_equal_coefficients_only() -> None:
-    def smooth_n(mu_static: float) -> np.ndarray:
-        width = 1e-4
-        m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
-
-        def slope(t: float, y: np.ndarray) -> list[float]:
-            ahead = (0.05 - y[1]) / width
-            mu = 0.5 * np.tanh(ahead) + (mu_static - 0.5) * ahead * np.exp(0.5 * (1 - ahead**2))
-            return [y[1], (mu * 1.0 - c * y[1] - k * y[0]) / m]
-
-        r = solve_ivp(slope, (0, 0.1), [0, 0.05], method="Radau", t_eval=T_S, rtol=1e-6, atol=1e-10)
-        return np.asarray(r.y[0])
-
-    def sharp_n(mu_static: float) -> np.ndarray:
-        return run(QUIET, force_n=1.0, friction=DryFriction(mu_static, 0.5, gated=False)).stretch_m
-
-    scale = 0.5 / FINGER.stiffness_n_per_m
-    assert np.abs(smooth_n(0.5) - sharp_n(0.5)).max() < 2e-3 * scale
-    assert np.abs(smooth_n(0.75) - sharp_n(0.75)).max() > 2e-2 * scale
-
-
 def test_gated_voltage_does_not_increase_sticking() -> None:
     constant = straight([0, 1.0], [50, 50])
     lossless = ForceForm(force_form("sc_layer", Skin(corneum_resistivity_ohm_m=np.inf), 1e-4).relaxations, 1e-3)

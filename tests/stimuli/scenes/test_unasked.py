@@ -72,8 +72,6 @@ def scenes():
 
 SCENES = dict(scenes())
 EVERY = [(name, kind) for name, scene in SCENES.items() for kind in scene.surface.effects]
-
-
 MASKING = {
     ("time_reversal", "masking"): [effect("masking", level_db_re_threshold=25.0), effect("focus_detection")],
     ("hybrid", "cross_masking"): [

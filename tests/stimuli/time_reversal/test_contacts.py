@@ -117,11 +117,7 @@ def test_sprung_mass_reduces_to_mass_or_spring():
 
 
 RADIUS_M, AREA_M2 = 6e-3, math.pi * 6e-3**2
-
-
 FOCUS = (0.121, 0.093)
-
-
 RIG = Emission(Band(200.0, 25e3, 200.0), 7e-3, 100e3)
 
 

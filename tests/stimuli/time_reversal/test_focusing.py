@@ -212,25 +212,12 @@ def test_audible_filter_keeps_amplitude_and_removes_audible_part(learnt):
 @example(f_min=0.0, width=100.0, flank=5e-324, x=0.25, y=0.125)
 @settings(max_examples=25, deadline=None)
 @given(st.floats(0.0, 20e3), st.floats(100.0, 5e3), st.floats(0.0, 2e3), st.floats(0.02, 0.27), st.floats(0.02, 0.19))
-def test_any_band_and_position_is_finite_reciprocal_and_focuses(f_min, width, flank, x, y):
-    band = Band(f_min, f_min + width, flank)
-    there, back = (
-        band_limited(
-            impulse_responses(
-                Screen(A4_SCREEN, (PointForce(*a),), Attenuation(3e-3)),
-                [b],
-                rate_hz=60e3,
-                duration_s=5e-3,
-                f_max_hz=25e3,
-            ),
-            band,
-        )
-        for a, b in (((x, y), FOCUS), (FOCUS, (x, y)))
-    )
-    size = np.abs(there.samples).max()
-    assert np.isfinite(there.samples).all()
-    assert there.samples == pytest.approx(back.samples, abs=1e-11 * size)
-    assert size == 0 or focus_amplitude(drive(there, 1.0), there) > 0
+def test_any_band_and_position_is_finite_and_focuses(f_min, width, flank, x, y):
+    screen = Screen(A4_SCREEN, (PointForce(x, y),), Attenuation(3e-3))
+    whole = impulse_responses(screen, [FOCUS], rate_hz=60e3, duration_s=5e-3, f_max_hz=25e3)
+    h = band_limited(whole, Band(f_min, f_min + width, flank))
+    assert np.isfinite(h.samples).all()
+    assert not h.samples.any() or focus_amplitude(drive(h, 1.0), h) > 0
 
 
 def test_amplifier_responses():
