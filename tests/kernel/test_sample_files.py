@@ -323,7 +323,7 @@ def stored_elsewhere(h5py, file):
         (linked_to_another_file, "samples: found no dataset, or a link"),
         (linked_to_itself, "samples: found no dataset, or a link"),
         (linked_through_a_group, "samples: found no dataset, or a link"),
-        (quantity_as_a_number, "quantity: found"),
+        (quantity_as_a_number, "dset.asstr() can only be used on datasets with an HDF5 string datatype"),
         (a_group_in_itself, "samples: found a group, expected a dataset of this file"),
         (virtual, "samples: found values of another file"),
         (stored_elsewhere, "samples: found values of another file"),

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import fields, is_dataclass
-from inspect import getmembers
+from inspect import getattr_static, getmembers, isfunction, signature
 from math import inf, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tactometry.errors import TactometryError
+from tactometry.stimuli.composition.effect import Effect
 
 NO_NUMBERS: Mapping[str, Any] = {"None": None, "a text": "wide", "nan": nan, "inf": inf}
 """A refusal of these names the argument."""
@@ -21,6 +22,31 @@ HOSTILE: Mapping[str, Any] = {
     "-10**30": -(10**30),
     "an object": object(),
 }
+
+
+class Call(NamedTuple):
+    """A valid call: what is called, and with what."""
+
+    function: Callable[..., Any]
+    arguments: dict[str, Any]
+
+
+def call_of(function: Callable[..., Any], name: str, arguments: Mapping[str, Any], own: Mapping[str, Any]) -> Call:
+    """Find the arguments of a function: in `own` by function and parameter, else by the name of the parameter."""
+    given = {
+        each: own.get(f"{name}.{each}", arguments.get(each, parameter.default))
+        for each, parameter in signature(function).parameters.items()
+    }
+    return Call(function, given)
+
+
+def methods(kind: type) -> Iterator[str]:
+    """Yield the public methods of a class, without those that a scene calls of an effect."""
+    for name in dir(kind):
+        member = getattr_static(kind, name)
+        of_user = not (name.startswith("_") or (issubclass(kind, Effect) and hasattr(Effect, name)))
+        if of_user and (isfunction(member) or isinstance(member, classmethod)):
+            yield name
 
 
 def valid_arguments(instance: Any) -> dict[str, Any]:
