@@ -107,10 +107,11 @@ ARGUMENTS = {
 OF_ONE_CALL = {
     "Corners.pieces.frequency_hz": 60.0, "Pieces.value_in.t_s": np.array([0.1]),
     "Pieces.sinusoids.t_s": np.array([0.1]), "Pieces.split_at.times_s": [0.01],
-    "Polarity.weighted.force_n": np.array([1.0, 2.0, 3.0]), "PowerLawArea.area_m2.force_n": [1.0],
-    "TableArea.area_m2.force_n": [1.0], "level_db_re_1v.voltage_v": 10.0, "Relaxations.sampled.voltage_v": np.array(V),
-    "Solution.state_at.t_s": np.array(T_S), "stick_slip.friction": DryFriction(), "sine_voltage_v.voltage_v": 100.0,
-    "sine_voltage_v.frequency_hz": 60.0, "ellipse_area_m2.length_m": 0.01,
+    "Polarity.weighted.force_n": np.array([1.0]), "Polarity.weighted.layer_v": np.array([1.0]),
+    "PowerLawArea.area_m2.force_n": [1.0], "TableArea.area_m2.force_n": [1.0], "level_db_re_1v.voltage_v": 10.0,
+    "Relaxations.sampled.voltage_v": np.array(V), "Solution.state_at.t_s": np.array(T_S),
+    "stick_slip.friction": DryFriction(), "sine_voltage_v.voltage_v": 100.0, "sine_voltage_v.frequency_hz": 60.0,
+    "ellipse_area_m2.length_m": 0.01,
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Time-reversal scenes: laziness, stage order and accuracy."""
+"""Time-reversal scenes: physics, lift-off, stage order and accuracy."""
 
 import itertools
 import tracemalloc
@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from scene_cases import RESTING, TIME_REVERSAL, VOLT, effect, finest_of, screen, screens, small_screen, tuned
+from hypothesis import HealthCheck, given, settings, strategies as st
+from scene_cases import RESTING, TIME_REVERSAL, VOLT, effect, finest_of, refusal, screen, screens, small_screen, tuned
 from scene_errors import LOSSY, accepted, error_of, finer, run
 from soak import SOAK
 
@@ -22,13 +22,13 @@ from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.merit import field, modal_amplitudes
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
+from tactometry.stimuli.time_reversal.lift_off import one_sided_contact, one_sided_contacts
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import border
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce, border
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 PATCHES, ONE_BIT = effect("patches", side_m=8e-3), effect("one_bit")
@@ -282,3 +282,134 @@ def test_loaded_motion_stays_within_its_memory_limit():
     finally:
         tracemalloc.stop()
     assert peak_bytes <= 36 * n_numbers
+
+
+DRIVE = (LOSSY, effect("patches", side_m=8e-3), effect("one_bit"))
+COURSES = ("t_s", "focus_displacement_m", "contact_displacement_m", "contact_force_n")
+LIGHT = (FingerContact(0.05),)
+"""Without contact for 1 % of the time."""
+
+
+def touched(*more, contacts=LIGHT, outputs=(*COURSES, "contact_lost_s"), accuracy=1e-2):
+    return replace(screen(*DRIVE, effect("finger_load"), *more, outputs=outputs, accuracy=accuracy), contacts=contacts)
+
+
+def test_finger_in_contact_matches_linear_contact():
+    firm = (FingerContact(2.0),)
+    opened, linear = (
+        run(replace(touched(*more, contacts=firm, outputs=COURSES), settings={"sampling": {"factor": 8}}))
+        for more in ((effect("lift_off"),), ())
+    )
+    for name in COURSES:
+        assert opened[name] == pytest.approx(linear[name], abs=1e-2 * np.abs(linear[name]).max())
+    assert run(touched(effect("lift_off"), contacts=firm, outputs=("contact_lost_s",)))["contact_lost_s"] == 0
+
+
+def test_lift_off_limits_pull_to_static_force():
+    opened, linear = run(touched(effect("lift_off"))), run(touched(outputs=COURSES))
+    assert linear["contact_force_n"].min() < -0.06
+    assert opened["contact_force_n"].min() == pytest.approx(-0.05, rel=1e-12)
+    assert opened["contact_lost_s"] > 0
+
+
+def test_lift_off_error_is_within_predicted_error():
+    for force_n in (0.05, 2.0):
+        scene = touched(effect("lift_off"), contacts=(FingerContact(force_n),), outputs=COURSES[:3], accuracy=3e-3)
+        plan = scene.resolve()
+        (stage,) = (stage for stage in plan.stages if stage.name == "lift_off")
+        finest = replace(scene, settings={"lift_off": {"finer": 16 * stage.settings["finer"]}})
+        got, true = plan.run({"voltage_v": 30.0}), run(finest)
+        for name in COURSES[1:3]:
+            assert np.abs(got[name] - true[name]).max() <= stage.error * np.abs(true[name]).max()
+
+
+def test_two_fingers_in_contact_match_linear_loads():
+    whole = screen(*DRIVE).surface.plate
+    places, rate_hz, band = [(0.05, 0.04), (0.09, 0.06)], 400e3, 8e3
+    sampling = {"rate_hz": rate_hz, "duration_s": 3e-3, "f_max_hz": band}
+    struck = Screen(whole, (PointForce(0.08, 0.03),), Attenuation(2e-3))
+    loads = [Fingertip().load(place, 2.0) for place in places]
+    free_m = impulse_responses(struck, places, **sampling).samples[:, 0]
+    expected = loaded_responses(struck, places, loads, **sampling).samples[:, 0]
+    found = one_sided_contacts(struck, free_m, loads, np.array([2.0, 2.0]), rate_hz, band)
+    assert not found.apart.any()
+    assert found.displacement_m == pytest.approx(expected, abs=5e-3 * np.abs(expected).max())
+
+
+def test_light_finger_lifts_off_next_to_firm_finger():
+    contacts = (FingerContact(0.05), FingerContact(2.0, x_m=0.09, y_m=0.06))
+    got = run(touched(effect("lift_off"), contacts=contacts))
+    light_s, firm_s = got["contact_lost_s"]
+    assert light_s > 0 == firm_s
+
+
+def test_no_voltage_throws_nothing_off():
+    got = touched(effect("lift_off")).resolve().run({"voltage_v": 0.0})
+    assert not any(np.any(got[name]) for name in (*COURSES[1:], "contact_lost_s"))
+
+
+OF_EFFECTS = {
+    "foci": ("peaks_m",),
+    "repetition": ("t_s", "focus_displacement_m"),
+    "temperature_drift": ("t_s", "focus_displacement_m"),
+    "amplifier": ("t_s", "focus_displacement_m"),
+    "shear": ("t_s", "focus_displacement_m"),
+}
+
+
+def error_of_peaks(got, reference, output):
+    return abs(got[output] - reference[output]).max() / abs(reference[output]).max()
+
+
+@pytest.mark.parametrize("kind", sorted(OF_EFFECTS))
+def test_an_effect_keeps_the_accuracy(kind):
+    scene = screen(LOSSY, *tuned(kind), outputs=OF_EFFECTS[kind])
+    error = error_of_peaks if kind == "foci" else error_of
+    reference = run(finer(scene))
+    for accuracy in (1e-2, 1e-3, 1e-4):
+        asked = replace(scene, accuracy=accuracy)
+        assert kind in {stage.effect for stage in asked.resolve().stages}
+        assert error(run(asked), reference, OF_EFFECTS[kind][-1]) <= asked.resolve().error <= accuracy
+
+
+COURSE = ("t_s", "focus_displacement_m")
+QUANTISERS = (
+    effect("one_bit"), effect("sigma_delta", order=1), effect("sigma_delta", order=2),
+    effect("pulse_width", carrier_hz=15e3),
+)  # fmt: skip
+
+
+@st.composite
+def quantised(draw):
+    scene = draw(screens(COURSE))
+    others = tuple(each for each in scene.effects if each.slot != "quantiser")
+    return replace(scene, effects=(draw(st.sampled_from(QUANTISERS)), *others))
+
+
+def spectrum(got, n_lines):
+    """Return the first lines of the course at the focus.
+
+    Its duration does not depend on the sampling.
+    """
+    course = got["focus_displacement_m"][:-1]
+    return np.fft.rfft(course)[:n_lines] / course.size
+
+
+@given(quantised())
+@settings(max_examples=100 if SOAK else 5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_quantised_spectrum_meets_accuracy_or_is_refused(scene):
+    """Relative to its highest line."""
+    finest = finest_of(scene, *((3e-5, 1e-4) if SOAK else ()), 3e-4, 9e-4)
+    found = run(finest)
+    n_lines = round(scene.surface.f_max_hz * (found["t_s"][-1] - found["t_s"][0]))
+    reference = spectrum(found, n_lines)
+    for asked in accepted(scene, (1e-1, 1e-2, 1e-3, 1e-4) if SOAK else (1e-1, 1e-2, 1e-3)):
+        off = np.abs(spectrum(run(asked), n_lines) - reference).max() / np.abs(reference).max()
+        assert off <= asked.accuracy + finest.accuracy
+
+
+@pytest.mark.parametrize("quantiser", QUANTISERS, ids=lambda each: each.kind)
+def test_quantised_drive_is_refused_at_unreachable_accuracy(quantiser):
+    scene = screen(LOSSY, quantiser, outputs=COURSE, accuracy=1e-12)
+    assert "error budget of" in refusal(scene)
+    assert "loosen the accuracy" in refusal(scene)
