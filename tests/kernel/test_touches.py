@@ -1,7 +1,6 @@
 """Touches computed in batches equal those from each trial's stream."""
 
 import numpy as np
-import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.gates import compliance, motion
@@ -58,14 +57,3 @@ def test_each_stream_is_made_once():
         )
         touches.rng.random()
     assert sorted(made) == list(range(len(made)))
-
-
-@pytest.mark.parametrize("request_", [PRESS, SHORT, SLIDE, GATED])
-def test_batched_touches_equal_single_touches(request_):
-    drawn = np.random.default_rng(1).standard_normal((50, FINGER.n_draws(request_)))
-    together = FINGER.holds(request_, drawn)
-    for i, row in enumerate(drawn):
-        alone = FINGER.holds(request_, row[None])
-        assert together.of(i).speed_m_per_s == alone.of(0).speed_m_per_s
-        assert together.forces_n[i].tolist() == alone.forces_n[0].tolist()
-        assert together.positions_m[i].tolist() == alone.positions_m[0].tolist()

@@ -69,10 +69,6 @@ def test_noise_texture_has_requested_spectrum(exponent: float) -> None:
     assert noise.height(x_m).std() == pytest.approx(1.0, rel=1e-12)
 
 
-def test_the_same_seed_draws_the_same_noise() -> None:
-    assert Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(3)) == NOISE
-
-
 def test_reversed_bump_is_a_hole() -> None:
     x_m = np.linspace(0, 0.04, 101)
     bump, hole = Bump(0.02, 3e-3, direction=-1), Bump(0.02, 3e-3, height_sign=-1)
@@ -86,30 +82,10 @@ def test_bump_slope_integrates_to_its_height() -> None:
     np.testing.assert_allclose(height, expected, atol=1e-5)
 
 
-def test_velvet_is_rough_against_its_pile() -> None:
-    there, back = np.linspace(0, 0.05, 2001), np.linspace(0.05, 0, 2001)[1:]
-    share = Velvet().force_share_along(np.r_[there, back])
-    assert share[1000:2001].mean() < 0.5 * share[3000:].mean()
-
-
-def test_velvet_remembers_the_reversal_over_its_length() -> None:
-    velvet = Velvet(with_pile=0.2, against_pile=1.0, tuft_depth=0.0, reversal_m=2e-3)
-    path_m = np.r_[np.linspace(0, 0.05, 5001), np.linspace(0.05, 0, 5001)[1:]]
-    share = velvet.force_share_along(path_m)
-    after_m = 0.05 - path_m[5001:]
-    np.testing.assert_allclose(share[5001:], 1.0 - 0.8 * np.exp(-after_m / 2e-3), rtol=1e-9)
-    assert share[5000] == pytest.approx(0.2)
-
-
 def test_velvet_tufts_beat_at_speed_over_their_distance() -> None:
     share = Velvet(tuft_period_m=1e-3).force_share_along(np.arange(10_000) * 0.1 / 10_000)
     spectrum = np.abs(np.fft.rfft(share - share.mean()))
     assert np.argmax(spectrum) == 100
-
-
-def test_resting_finger_leaves_velvet_pile_unchanged() -> None:
-    share = Velvet(tuft_depth=0.0).force_share_along(np.r_[np.linspace(0.05, 0, 101), np.zeros(50)])
-    np.testing.assert_allclose(share[-50:], share[100])
 
 
 @pytest.mark.parametrize(

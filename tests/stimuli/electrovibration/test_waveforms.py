@@ -66,13 +66,6 @@ def test_components_of_the_squared_carrier_below_its_frequency(modulation: str, 
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
-def test_components_of_a_squared_sine_with_and_without_offset() -> None:
-    tone_v = Sine(frequency_hz=100.0, ramp_s=0.0).at(0.0).samples[0]
-    for offset_v, expected in ((0.0, [0.5, 0.0, 0.5]), (0.5, [0.75, 1.0, 0.5])):
-        spectrum = np.abs(np.fft.rfft((tone_v + offset_v) ** 2)) / tone_v.size
-        np.testing.assert_allclose(spectrum[[0, 100, 200]] * [1, 2, 2], expected, atol=1e-12)
-
-
 SUPPLY_V = 100.0
 
 

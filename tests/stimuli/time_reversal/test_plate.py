@@ -130,14 +130,6 @@ def test_deflection_is_reciprocal_and_zero_on_the_edge():
     assert np.abs(deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), [0.0, 0.1], [0.1, 0.21])) == pytest.approx(0, abs=1e-18)
 
 
-def test_ritz_deflection_meets_levys_series_away_from_the_force():
-    from tactometry.stimuli.time_reversal.plate import statics
-
-    x, y = np.array([0.2, 0.25]), np.array([0.1, 0.05])
-    ritz = statics._ritz(A4_SCREEN, (0.1, 0.08), x, y)
-    assert ritz == pytest.approx(statics._levy(A4_SCREEN, (0.1, 0.08), x, y), rel=5e-5)
-
-
 def test_deflection_of_the_clamped_square_is_0_0056():
     plate = square(boundary="CCCC")
     w = deflection_m(plate, 1.0, (0.5, 0.5), 0.5, 0.5)[0] * plate.bending_rigidity_n_m

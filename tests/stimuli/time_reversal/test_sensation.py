@@ -55,10 +55,6 @@ def test_the_level_is_the_unloaded_amplitude_of_the_focus():
     assert heard[drive.samples.shape[1] - 1] == pytest.approx(7e-6, rel=1e-12)
 
 
-def test_reference_focus_is_at_threshold_with_light_touch():
-    assert felt_db(20.0) == pytest.approx(0.0, abs=1e-3)
-
-
 @given(level=st.floats(-20, 30), higher_by=st.floats(-10, 10))
 @settings(max_examples=20, deadline=None)
 def test_the_sensation_level_rises_as_the_level_does(level, higher_by):
