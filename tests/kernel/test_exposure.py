@@ -226,12 +226,12 @@ def test_stopped_charge_bounds_every_fade(course):
 
 
 def test_guard_reports_emissions_except_of_null_output(tmp_path):
-    told = []
+    emissions = []
     for output in (guard(tmp_path, Clock()), Guarded(NullOutput(), Limits(100.0))):
-        output.subscribe(lambda *emission: told.append(emission))
+        output.subscribe(lambda *emission: emissions.append(emission))
         output.open()
         output.play(volts(0.5))
-    [(_, duration_s, charge_c)] = told
+    [(_, duration_s, charge_c)] = emissions
     assert (duration_s, charge_c) == (0.5, pytest.approx(5e-6, rel=0.01))
 
 

@@ -154,11 +154,11 @@ def test_refusal_states_the_shortest_sufficient_wait(plays, duration_s, duty):
         exposure = exposure.after(now_s, lasts_s, 6.0)
         now_s += lasts_s
     assume(refused(lambda: limits.check_exposure(exposure, now_s, duration_s), "duty"))
-    told = exposure.cure(now_s, duration_s, 6.0, duty * 6.0)
-    if told == "shorten the signal":
+    remedy = exposure.cure(now_s, duration_s, 6.0, duty * 6.0)
+    if remedy == "shorten the signal":
         assert duration_s > duty * 6.0 * (1 - 1e-9)
         return
-    wait_s = float(told.split()[1])
+    wait_s = float(remedy.split()[1])
     assert not refused(lambda: limits.check_exposure(exposure, now_s + wait_s + 1e-6, duration_s), "duty")
     assert refused(lambda: limits.check_exposure(exposure, now_s + max(0.0, wait_s - 0.11), duration_s), "duty")
 

@@ -20,7 +20,7 @@ def stream(n_trials):
     return np.random.default_rng([7, n_trials])
 
 
-def told(touch):
+def facts_of(touch):
     grip = touch.grip
     return grip.forces_n.tolist(), grip.positions_m.tolist(), grip.speed_m_per_s, touch.force, touch.speed
 
@@ -43,7 +43,7 @@ def test_each_trial_draws_from_its_own_stream(trials):
             if step is QUESTION:
                 assert touches.rng.random() == rng.random()
             else:
-                assert told(touches.touch(step)) == one_by_one(step, rng)
+                assert facts_of(touches.touch(step)) == one_by_one(step, rng)
         assert touches.rng.random() == rng.random()
 
 
@@ -52,7 +52,7 @@ def test_each_stream_is_made_once():
     touches = Touches(FINGER, lambda n: made.append(n) or stream(n))
     for n in range(3 * N_AHEAD):
         touches.begin(n)
-        assert told(touches.touch(SLIDE if n % 20 < 10 else GATED)) == one_by_one(
+        assert facts_of(touches.touch(SLIDE if n % 20 < 10 else GATED)) == one_by_one(
             SLIDE if n % 20 < 10 else GATED, stream(n)
         )
         touches.rng.random()

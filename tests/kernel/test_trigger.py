@@ -154,9 +154,9 @@ def test_trigger_reports_errors_to_the_session_without_retrying(fails):
         trigger.consider()
     assert called.count(fails) == 1
     assert called[-1] == fails
-    for asked in ("begun", "broken"):
+    for name in ("begun", "broken"):
         with pytest.raises(OSError, match="the device is gone"):
-            getattr(trigger, asked)
+            getattr(trigger, name)
 
 
 def test_quick_turns_restores_the_switch_interval():
@@ -242,11 +242,11 @@ class Gone:
     ],
 )
 def test_listeners_get_empty_blocks_when_sensor_is_away(error, failure):
-    reader, told = Reader(Gone(error)), queue.Queue()
-    reader.subscribe(told.put)
+    reader, blocks = Reader(Gone(error)), queue.Queue()
+    reader.subscribe(blocks.put)
     reader.open()
     while reader.source.n_opened < 3:
-        assert told.get(timeout=LONGEST_WAIT_S).values.shape == (0, 1)
+        assert blocks.get(timeout=LONGEST_WAIT_S).values.shape == (0, 1)
     reader.close()
     assert reader.facts() == {"n_samples": 0, "n_outages": 1, "failure": failure, "n_steps_back": 0}
 

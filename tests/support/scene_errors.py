@@ -52,9 +52,9 @@ def _map_error(got, reference):
 def accepted(scene: Scene, accuracies: Iterable[float]) -> Iterator[Scene]:
     """Yield the scene at each accuracy that it accepts. It may refuse those below 1e-3, with the remedy."""
     for accuracy in accuracies:
-        asked = replace(scene, accuracy=accuracy)
-        if reason := refusal(asked):
+        requested = replace(scene, accuracy=accuracy)
+        if reason := refusal(requested):
             assert accuracy < 1e-3, reason
             assert "loosen the accuracy" in reason
         else:
-            yield asked
+            yield requested

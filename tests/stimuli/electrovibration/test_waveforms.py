@@ -76,12 +76,12 @@ def pulsed(**fields):
 @given(st.floats(26.0, 42.0), st.floats(20.0, 400.0), st.sampled_from(["square_root", "full", "suppressed_carrier"]))
 def test_pulsed_carrier_energy_error_is_below_half_sample(level, frequency_hz, modulation):
     stimulus = pulsed(frequency_hz=frequency_hz, modulation=modulation)
-    asked, made = stimulus.waveform.at(level).samples[0], stimulus.at(level).samples[0]
+    requested, made = stimulus.waveform.at(level).samples[0], stimulus.at(level).samples[0]
     assert set(np.unique(made)) == {-SUPPLY_V, 0.0, SUPPLY_V}
-    zeros = np.flatnonzero(np.diff(np.sign(asked)))
-    ahead = np.cumsum(made**2 - asked**2)[zeros] / SUPPLY_V**2
+    zeros = np.flatnonzero(np.diff(np.sign(requested)))
+    ahead = np.cumsum(made**2 - requested**2)[zeros] / SUPPLY_V**2
     assert np.abs(ahead).max() <= 0.5 + 1e-6
-    assert np.all(made * asked >= 0)
+    assert np.all(made * requested >= 0)
 
 
 @pytest.mark.parametrize("level", [28.0, 34.0, 36.0, 40.0])

@@ -59,10 +59,10 @@ def test_built_in_scene_meets_accuracy_or_is_refused(name, outputs):
     finest = reference(replace(found.scene, outputs=outputs))
     true, _ = ran(found, finest)
     scene = replace(found.scene, outputs=outputs)
-    for asked in accepted(scene, (value for value in ACCURACIES if value > finest.accuracy)):
-        got, predicted = ran(found, asked)
+    for requested in accepted(scene, (value for value in ACCURACIES if value > finest.accuracy)):
+        got, predicted = ran(found, requested)
         errors = {output: error(got, true, output) for output in outputs if output not in CLOCKS}
         assert max(errors.values()) <= predicted + finest.accuracy
-        assert predicted <= asked.accuracy
+        assert predicted <= requested.accuracy
         if READ_OFF & set(errors):
             assert predicted <= 10 * (max(errors.values()) + finest.accuracy)

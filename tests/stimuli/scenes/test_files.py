@@ -276,9 +276,9 @@ def test_lift_off_is_reported_when_linear_contact_pulls(tmp_path, capsys):
             force_n < 1
         )
         assert status("scene", file, "--json") == 0
-        told = json.loads(capsys.readouterr().out)
-        pulled[force_n] = told["pulls_n"][0]
-        assert pulled[force_n] == pytest.approx(max(-told["outputs"]["contact_force_n"]["min"] - force_n, 0.0))
+        printed = json.loads(capsys.readouterr().out)
+        pulled[force_n] = printed["pulls_n"][0]
+        assert pulled[force_n] == pytest.approx(max(-printed["outputs"]["contact_force_n"]["min"] - force_n, 0.0))
     assert pulled[0.01] > 0 == pulled[20.0]
 
 
@@ -290,8 +290,8 @@ def test_lift_off_is_reported_without_force_output():
     assert pulled.force_n == 2.0
     # a contact whose force is 10 N s/m times the speed of the plate under it, as the course of the plate has it
     course = replace(found.scene, outputs=("t_s", "focus_displacement_m"))
-    told = course.resolve().run(found.given)
-    speed_m_per_s = np.gradient(told["focus_displacement_m"], told["t_s"])
+    course_values = course.resolve().run(found.given)
+    speed_m_per_s = np.gradient(course_values["focus_displacement_m"], course_values["t_s"])
     assert pulled.pull_n == pytest.approx(-10.0 * speed_m_per_s.min(), rel=0.05)
     first_v = 10 ** (pulled.first_db_re_1v / 20)
     assert first_v == pytest.approx(found.given["voltage_v"] * 2.0 / pulled.pull_n)

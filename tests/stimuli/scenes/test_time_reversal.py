@@ -226,11 +226,11 @@ def test_random_scenes_keep_their_accuracy(scene):
         scene = replace(scene, outputs=scene.outputs[:-1])
     finest = finer(scene) if SOAK else finest_of(scene, 1e-4, 3e-4)
     reference = run(finest)
-    for asked in accepted(scene, ACCURACIES if SOAK else ACCURACIES[:3]):
-        got, predicted = run(asked), asked.resolve().error
+    for requested in accepted(scene, ACCURACIES if SOAK else ACCURACIES[:3]):
+        got, predicted = run(requested), requested.resolve().error
         for output in scene.outputs[1:]:
             true = error_of(got, reference, output)
-            assert true <= asked.accuracy
+            assert true <= requested.accuracy
             assert true <= predicted + finest.accuracy
 
 
@@ -242,8 +242,8 @@ def test_focus_near_patch_meets_accuracy(n, aside_m):
     scene = Scene(surface, (LOSSY, PATCHES), ("t_s", "focus_displacement_m"), 0.01)
     reference = run(finer(scene))
     for accuracy in ACCURACIES:
-        asked = replace(scene, accuracy=accuracy)
-        assert error_of(run(asked), reference, "focus_displacement_m") <= asked.resolve().error <= accuracy
+        requested = replace(scene, accuracy=accuracy)
+        assert error_of(run(requested), reference, "focus_displacement_m") <= requested.resolve().error <= accuracy
 
 
 # --- order
@@ -367,9 +367,9 @@ def test_an_effect_keeps_the_accuracy(kind):
     error = error_of_peaks if kind == "foci" else error_of
     reference = run(finer(scene))
     for accuracy in (1e-2, 1e-3, 1e-4):
-        asked = replace(scene, accuracy=accuracy)
-        assert kind in {stage.effect for stage in asked.resolve().stages}
-        assert error(run(asked), reference, OF_EFFECTS[kind][-1]) <= asked.resolve().error <= accuracy
+        requested = replace(scene, accuracy=accuracy)
+        assert kind in {stage.effect for stage in requested.resolve().stages}
+        assert error(run(requested), reference, OF_EFFECTS[kind][-1]) <= requested.resolve().error <= accuracy
 
 
 COURSE = ("t_s", "focus_displacement_m")
@@ -403,9 +403,9 @@ def test_quantised_spectrum_meets_accuracy_or_is_refused(scene):
     found = run(finest)
     n_lines = round(scene.surface.f_max_hz * (found["t_s"][-1] - found["t_s"][0]))
     reference = spectrum(found, n_lines)
-    for asked in accepted(scene, (1e-1, 1e-2, 1e-3, 1e-4) if SOAK else (1e-1, 1e-2, 1e-3)):
-        off = np.abs(spectrum(run(asked), n_lines) - reference).max() / np.abs(reference).max()
-        assert off <= asked.accuracy + finest.accuracy
+    for requested in accepted(scene, (1e-1, 1e-2, 1e-3, 1e-4) if SOAK else (1e-1, 1e-2, 1e-3)):
+        off = np.abs(spectrum(run(requested), n_lines) - reference).max() / np.abs(reference).max()
+        assert off <= requested.accuracy + finest.accuracy
 
 
 @pytest.mark.parametrize("quantiser", QUANTISERS, ids=lambda each: each.kind)

@@ -76,7 +76,7 @@ def check_laws(thickness_m, side_m, band, n=32, tau_s=TAU_S, ratio=2.0, size_m=(
 @pytest.mark.parametrize(
     ("thickness_m", "side_m", "band"),
     [
-        (0.3e-3, 10e-3, BAND),
+        pytest.param(0.3e-3, 10e-3, BAND, marks=pytest.mark.slow),
         pytest.param(0.5e-3, 10e-3, Band(36e3, 108e3), marks=pytest.mark.slow),
         (1.1e-3, 2e-3, Band(200.0, 60e3)),
         (1.1e-3, 10e-3, BAND),

@@ -35,7 +35,7 @@ def drive(setup=SMALL):
     return FocusTrain(setup, f_max_hz=20e3, voltage_max_v=2e3).at(20.0)
 
 
-def asked(task, answers):
+def requests_of(task, answers):
     """The requests of a trial that gets these answers, and its outcome."""
     trial = task.trial(Presentation("focus", 20.0, TOUCH), np.random.default_rng(0))
     requests = [next(trial)]
@@ -48,7 +48,7 @@ def asked(task, answers):
 
 
 def test_measurement_requests_press_then_reading():
-    requests, outcome = asked(Measurement(), [Touched(0.0, 20.0, "x"), Rated(6900.0, 1.0, 0.5)])
+    requests, outcome = requests_of(Measurement(), [Touched(0.0, 20.0, "x"), Rated(6900.0, 1.0, 0.5)])
     assert [type(request) for request in requests] == [Press, Enter]
     (reply,) = outcome.replies
     assert outcome.valid
@@ -57,7 +57,7 @@ def test_measurement_requests_press_then_reading():
 
 
 def test_measurement_is_invalid_when_contact_slips():
-    requests, outcome = asked(Measurement(), [Touched(0.0, 20.0, "x", valid=False)])
+    requests, outcome = requests_of(Measurement(), [Touched(0.0, 20.0, "x", valid=False)])
     assert len(requests) == 1
     assert not outcome.valid
 

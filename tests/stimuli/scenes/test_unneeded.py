@@ -99,7 +99,7 @@ def pair(scene, kind):
     return (*company, *apart), (*company, *needs, mine)
 
 
-def asked(name, output, effects):
+def requested(name, output, effects):
     scene = SCENES[name]
     return replace(scene, outputs=(output,), settings={}, contacts=scene.contacts or RESTING, effects=effects)
 
@@ -107,7 +107,7 @@ def asked(name, output, effects):
 @cache
 def plan_if_had(name, output, effects):
     try:
-        return asked(name, output, effects).resolve()
+        return requested(name, output, effects).resolve()
     except InvalidParameter:
         return None
 
@@ -121,7 +121,7 @@ def unneeded(name, kind):
     for output in OUTPUTS[SCENES[name].surface.kind]:
         one = plan_if_had(name, output, without)
         if one is not None:
-            both = asked(name, output, with_it)
+            both = requested(name, output, with_it)
             if kind in {found.kind for found in both.off()}:
                 yield output, one, both.resolve()
 
@@ -181,11 +181,11 @@ def test_explanation_lists_unneeded_effect_as_off(side, kind):
     scene = SCENES[f"bare {side}"]
     output = next(output for output, _, _ in unneeded(f"bare {side}", kind))
     without, with_it = (replace(scene, outputs=(output,), effects=effects) for effects in pair(scene, kind))
-    told = words(with_it, {**LEVEL, **VOLT})
-    off = next(line for line in told if line.startswith(kind))
+    lines = words(with_it, {**LEVEL, **VOLT})
+    off = next(line for line in lines if line.startswith(kind))
     assert off.split() == [kind, "off", "no", "output", "needs", "it"]
     added = {found.kind for found in with_it.effects} - {found.kind for found in without.effects}
-    assert others(told, added) == others(words(without, {**LEVEL, **VOLT}), added)
+    assert others(lines, added) == others(words(without, {**LEVEL, **VOLT}), added)
 
 
 @pytest.mark.parametrize(
