@@ -141,6 +141,8 @@ def test_invalid_observers_are_refused(observer, sentence):
     assert sentence in refusal(f"{TUTORIAL}\n[observer]\n{observer}\n")
 
 
+# --- raters, by the common factor model
+
 N_RATERS = 2000
 FORM = load("attrakdiff")
 PAGES = pages(FORM, FORM.items)

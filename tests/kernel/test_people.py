@@ -179,6 +179,8 @@ def test_force_habit_shifts_force_within_the_band():
     assert far.mean() == pytest.approx(1.2)
 
 
+# --- changes during a session
+
 TUTORIAL_TOML = builtin()["tutorial"].read_bytes()
 
 

@@ -284,6 +284,8 @@ def test_loaded_motion_stays_within_its_memory_limit():
     assert peak_bytes <= 36 * n_numbers
 
 
+# --- lift-off
+
 DRIVE = (LOSSY, effect("patches", side_m=8e-3), effect("one_bit"))
 COURSES = ("t_s", "focus_displacement_m", "contact_displacement_m", "contact_force_n")
 LIGHT = (FingerContact(0.05),)
@@ -347,6 +349,8 @@ def test_no_voltage_throws_nothing_off():
     got = touched(effect("lift_off")).resolve().run({"voltage_v": 0.0})
     assert not any(np.any(got[name]) for name in (*COURSES[1:], "contact_lost_s"))
 
+
+# --- the accuracy of each effect and of quantised spectra
 
 OF_EFFECTS = {
     "foci": ("peaks_m",),

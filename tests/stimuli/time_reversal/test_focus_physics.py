@@ -264,6 +264,8 @@ def test_filtered_one_bit_is_quieter_and_similarly_strong():
     assert amplitude_m["1 bit filtered"] / amplitude_m["SDM filtered"] > 3.5
 
 
+# --- the theory itself, and its numbers
+
 RATE_HZ, TAU_S, T_S = 100e3, 3e-3, 6e-3
 PLACES = [(0.121, 0.093), (0.187, 0.067), (0.081, 0.141)]
 

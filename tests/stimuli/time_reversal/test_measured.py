@@ -207,6 +207,8 @@ def test_a_csv_file_says_its_unit(tmp_path, said, factor):
     np.testing.assert_allclose(read([path]).samples, factor * np.array([[[1, 3], [2, 4]]]), rtol=1e-15)
 
 
+# --- responses learnt from sweeps and sequences
+
 FAST_HZ, DURATION_S, F_MAX_HZ = 150e3, 7e-3, 60e3
 BAND = Band(20e3, 60e3)
 EXCITATIONS = {
