@@ -179,7 +179,7 @@ def test_rf64_file_is_read_with_large_size(tmp_path):
         ("# rate_hz=1000 units=um\na\n1\n2\n", "units"),
     ],
 )
-def test_csv_file_with_wrong_header_or_rows_is_refused(tmp_path, content, message):
+def test_csv_file_with_wrong_rows_is_refused(tmp_path, content, message):
     said = refusal(tmp_path, "x.csv", content.encode())
     assert any(part in said for part in message.split("|")), said
 

@@ -198,7 +198,7 @@ TEXTURES = [
 
 
 @pytest.mark.parametrize(("call", "message"), WAVEFORMS + SKIN + FORCE + MOTION + TEXTURES)
-def test_value_outside_its_domain_is_refused_in_one_sentence(call, message: str) -> None:
+def test_value_outside_its_domain_is_refused(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value).startswith(message)

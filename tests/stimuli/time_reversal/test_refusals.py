@@ -259,7 +259,7 @@ DESIGNS = [
     ("call", "message"),
     [*PLATES, *RESPONSES, *FOCUSING, *STIMULI, *CONTACTS, *DESIGNS],
 )
-def test_argument_outside_its_domain_is_refused_in_one_sentence(call, message):
+def test_argument_outside_its_domain_is_refused(call, message):
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value).startswith(message)
