@@ -68,11 +68,13 @@ def stimulus(ago_s, duration_s=1.0, at_s=0.0, charge_c=0.0):
 
 
 def test_resumed_session_counts_time_of_earlier_sittings(tmp_path):
+    begin_s = time.perf_counter()
     keeper = opened(tmp_path)
     keeper.note(stimulus(10.0, at_s=190.0, charge_c=1e-9))
     keeper.close()
     keeper = opened(tmp_path, resume=True)
-    assert time.perf_counter() - keeper.exposure().opened_s == pytest.approx(190.0, abs=2.0)
+    counted_s = time.perf_counter() - keeper.exposure().opened_s
+    assert 190.0 - 1e-3 <= counted_s <= 190.0 + 1e-3 + time.perf_counter() - begin_s
     keeper.close()
 
 
@@ -226,12 +228,12 @@ def test_stopped_charge_bounds_every_fade(course):
 
 
 def test_guard_reports_emissions_except_of_null_output(tmp_path):
-    told = []
+    emissions = []
     for output in (guard(tmp_path, Clock()), Guarded(NullOutput(), Limits(100.0))):
-        output.subscribe(lambda *emission: told.append(emission))
+        output.subscribe(lambda *emission: emissions.append(emission))
         output.open()
         output.play(volts(0.5))
-    [(_, duration_s, charge_c)] = told
+    [(_, duration_s, charge_c)] = emissions
     assert (duration_s, charge_c) == (0.5, pytest.approx(5e-6, rel=0.01))
 
 

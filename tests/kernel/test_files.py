@@ -3,10 +3,12 @@
 import os
 import re
 import stat
+from functools import partial
 from pathlib import Path
 
 import pytest
 from command_line import call
+from copies import at_once
 from tutorial_session import live
 
 from tactometry.errors import DeviceFailed, InvalidFile
@@ -57,19 +59,7 @@ def test_existing_files_keep_their_mode(lived, open_umask):
 def test_write_first_keeps_the_first_writer(tmp_path):
     """Several processes write. The file has one content completely."""
     path, contents = tmp_path / "f", [f"{n}" * 5000 for n in range(8)]
-    begin, go = os.pipe()
-    children = []
-    for content in contents:
-        child = os.fork()
-        if child == 0:
-            os.close(go)
-            os.read(begin, 1)
-            write_first(path, content.encode())
-            os._exit(0)
-        children.append(child)
-    os.close(go)
-    os.close(begin)
-    assert [os.waitpid(child, 0)[1] for child in children] == [0] * len(contents)
+    assert at_once(partial(write_first, path, content.encode()) for content in contents) == [0] * len(contents)
     assert path.read_text() in contents
     assert drafts(tmp_path) == []
 

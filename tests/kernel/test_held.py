@@ -149,7 +149,7 @@ def test_touch_breaks_when_all_samples_are_lost():
     assert lost.index(True) == n_known + math.floor(SILENT_S / PERIOD_S)
 
 
-def told(*blocks):
+def traced(*blocks):
     trace = Trace()
     for times_s, values in blocks:
         trace.on_samples(np.array(times_s, dtype=float), np.array(values, dtype=float))
@@ -157,20 +157,20 @@ def told(*blocks):
 
 
 def test_trace_interval_contains_known_samples_only():
-    trace = told(([1, 2], [10, 20]), ([], []), ([3, 4, 5], [math.nan, 40, 50]))
+    trace = traced(([1, 2], [10, 20]), ([], []), ([3, 4, 5], [math.nan, 40, 50]))
     times_s, values = trace.between(2.0, 4.0)
     assert (times_s.tolist(), values.tolist()) == ([2, 4], [20, 40])
-    assert trace.between(6.0, 7.0)[0].size == told().between(0.0, 9.0)[0].size == 0
+    assert trace.between(6.0, 7.0)[0].size == traced().between(0.0, 9.0)[0].size == 0
 
 
 def test_trace_interval_is_empty_when_stamps_go_back():
-    trace = told(([1, 2], [1, 2]), ([1.5, 3], [3, 4]))
+    trace = traced(([1, 2], [1, 2]), ([1.5, 3], [3, 4]))
     assert trace.between(0.0, 9.0)[0].size == 0
     assert trace.between(1.6, 9.0)[0].tolist() == [2, 3]
 
 
 def test_silent_thread_counts_as_held_up():
-    trace = told(([time.perf_counter()], [1]))
+    trace = traced(([time.perf_counter()], [1]))
     time.sleep(DEAF_S + 0.01)
     assert trace.quiet(60.0)
     assert DEAF_S <= 0.5

@@ -1,7 +1,5 @@
 """Journal and data set: damage, locks, full disks, rebuilt tables."""
 
-import os
-import resource
 import shutil
 import subprocess
 import sys
@@ -12,6 +10,7 @@ import msgspec
 import numpy as np
 import pytest
 from examples import examples
+from full_disk import files_of_at_most
 from hard_cases import exact_case
 from hypothesis import given, strategies as st
 from places import ROOT
@@ -51,35 +50,22 @@ def test_trials_file_is_derived_from_the_journal(lived):
     assert trials == trials_csv(recording.trials, Session("P01", 1, "tutorial"), "simulated", columns)
 
 
-@pytest.fixture
-def n_syncs(monkeypatch):
-    """List that gains an item with every synced file."""
-    synced, sync = [], os.fsync
-
-    def counted(file):
-        synced.append(file)
-        sync(file)
-
-    monkeypatch.setattr(os, "fsync", counted)
-    return synced
-
-
 @pytest.mark.parametrize("rig", RIGS)
-def test_trials_are_synced_singly_except_in_simulations(tmp_path, n_syncs, rig):
+def test_trials_are_synced_singly_except_in_simulations(tmp_path, synced, rig):
     keeper = OpenSession(tmp_path, EXPERIMENT.design(TOML), Session("P01", 1, "tutorial"), rig, resume=False)
-    before = len(n_syncs)
+    before = len(synced)
     for n in range(5):
         keeper.append(Record(Trial(1, n, {}, "staircase", 20.0, "V", "yes_no", 1)), Done(float(n)))
-    assert len(n_syncs) - before == (0 if rig == "simulated" else 5)
+    assert len(synced) - before == (0 if rig == "simulated" else 5)
     keeper.close()
     journal = keeper.journal.path.read_bytes()
     assert journal.count(b"\n") == 5
-    assert len(n_syncs) - before == (2 if rig == "simulated" else 6)
+    assert len(synced) - before == (2 if rig == "simulated" else 6)
 
 
-def test_number_of_syncs_is_independent_of_trials(tmp_path, n_syncs):
+def test_number_of_syncs_is_independent_of_trials(tmp_path, synced):
     n_trials = live(tmp_path / "d").n_trials
-    assert len(n_syncs) < 20 < n_trials
+    assert len(synced) < 20 < n_trials
 
 
 def test_recorded_session_is_not_overwritten(lived):
@@ -152,26 +138,12 @@ def test_journal_refuses_a_second_process(lived):
 @pytest.mark.parametrize("n_bytes", [0, 1, 2000, 5000, 9000])
 def test_full_disk_ends_session_without_losing_trials(whole, tmp_path, n_bytes):
     full = tmp_path / "full"
-    child = os.fork()
-    if child == 0:
-        os._exit(_live_on_small_disk(full, n_bytes))
-    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    assert status == 3
+    with files_of_at_most(n_bytes), pytest.raises(DeviceFailed, match="expected free disk space") as refused:
+        live(full)
+    assert refused.value.exit_status == 3
     live(full, resume=True)
     assert files(full) == files(whole)
     exact_case("a disk that is full", against="the same bytes after going on")
-
-
-def _live_on_small_disk(root, n_bytes):
-    """Record a session with a limit of file sizes, in a child process."""
-    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, n_bytes))
-    try:
-        live(root)
-    except DeviceFailed as error:
-        return error.exit_status if "expected free disk space" in str(error) else 99
-    except BaseException:
-        return 98
-    return 0
 
 
 FILL_DISK = """

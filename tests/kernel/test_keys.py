@@ -100,10 +100,10 @@ def test_every_key_has_a_meaning_and_an_example(name):
 
 @per_table
 def test_keys_of_a_table_have_distinct_meanings(name):
-    told = {key.name: key.means for key in keys(name) if key.name != "kind"}
-    generic = [each for each, means in told.items() if means == summary(TABLES[name].reader) or len(means.split()) < 3]
+    texts = {key.name: key.means for key in keys(name) if key.name != "kind"}
+    generic = [each for each, means in texts.items() if means == summary(TABLES[name].reader) or len(means.split()) < 3]
     assert not generic
-    assert len(set(told.values())) == len(told), sorted(told.values())
+    assert len(set(texts.values())) == len(texts), sorted(texts.values())
 
 
 @per_table

@@ -7,6 +7,7 @@ import signal
 import sys
 
 import pytest
+from full_disk import files_of_at_most
 from hard_cases import exact_case
 from tutorial_session import journal_of
 
@@ -18,7 +19,7 @@ from tactometry.session.answer import Done
 from tactometry.session.event import Event
 from tactometry.session.request import Wait
 
-TOLD = tuple(
+REMARKS = tuple(
     Event("remark", float(n), facts={"text": text})
     for n, text in enumerate(("participant reports pain", "stopped by hand"))
 )
@@ -32,7 +33,7 @@ def cut_off(lived):
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(lines[:12]))
     journal = Journal(path, resume=True)
-    for n, event in enumerate(TOLD):
+    for n, event in enumerate(REMARKS):
         journal.append(Wait(1.0), Done(float(n)))
         journal.note(event)
     journal.append(Wait(1.0), Done(9.0))
@@ -69,11 +70,11 @@ def repaired(path):
 
 def test_repair_loses_nothing_when_killed_at_any_call(cut_off):
     torn, kept = cut_off.read_bytes(), read(cut_off).events
-    assert kept[-2:] == TOLD
+    assert kept[-2:] == REMARKS
     interruptions = Journal(cut_off, resume=True)
     interruptions.close()
     whole, interruptions = cut_off.read_bytes(), interruptions.interruptions
-    told, n_calls = interruptions.read_bytes(), 0
+    kept_bytes, n_calls = interruptions.read_bytes(), 0
     while True:
         cut_off.write_bytes(torn)
         interruptions.unlink(missing_ok=True)
@@ -83,7 +84,7 @@ def test_repair_loses_nothing_when_killed_at_any_call(cut_off):
         assert read(cut_off).events == kept
         assert cut_off.read_bytes() in (torn, whole)
         assert repaired(cut_off) == whole
-        assert told in interruptions.read_bytes()
+        assert kept_bytes in interruptions.read_bytes()
     assert n_calls > 20
     exact_case("a repair killed around any system call", against="every trial, remark and stop")
 
@@ -112,22 +113,15 @@ def test_journal_is_reopened_when_replaced_during_opening(cut_off, monkeypatch):
     first = cut_off.stat().st_ino
     monkeypatch.setattr(module, "_lock", replaced_meanwhile)
     opened = Journal(cut_off, resume=True)
-    opened.note(TOLD[0])
+    opened.note(REMARKS[0])
     opened.close()
-    assert read(cut_off).events[-1] == TOLD[0]
+    assert read(cut_off).events[-1] == REMARKS[0]
 
 
 def test_repair_leaves_journal_unchanged_when_disk_is_full(cut_off):
-    import resource
-
     torn = cut_off.read_bytes()
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (len(torn) // 2, hard))
-    try:
-        with pytest.raises(DeviceFailed, match="expected free disk space"):
-            Journal(cut_off, resume=True)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with files_of_at_most(len(torn) // 2), pytest.raises(DeviceFailed, match="expected free disk space"):
+        Journal(cut_off, resume=True)
     assert cut_off.read_bytes() == torn
     assert drafts(cut_off.parent) == []
 
@@ -137,4 +131,4 @@ def test_repair_keeps_cut_bytes_in_interruptions_file(cut_off):
     journal.close()
     (line,) = journal.interruptions.read_text().splitlines()
     assert json.loads(line)["cut"].endswith('{"request":"Slide","as')
-    assert encode_line(TOLD[0])[:40].decode() in json.loads(line)["cut"]
+    assert encode_line(REMARKS[0])[:40].decode() in json.loads(line)["cut"]

@@ -2,12 +2,12 @@
 
 import csv
 import json
-import os
 import shutil
-from dataclasses import replace
+from functools import partial
 
 import pytest
 from command_line import call
+from copies import at_once
 from places import RECORDED
 from tutorial_session import EXPERIMENT, STUDY, TOML, journal_of, live
 
@@ -118,7 +118,7 @@ HEAD = "found session 1 of P01 (tutorial), expected the session in"
 
 
 @pytest.mark.parametrize(
-    ("command", "status", "told"),
+    ("command", "status", "messages"),
     [
         ("validate", 1, (f"P99_session-1_study-tutorial.jsonl, row 1: {HEAD}", f"{ROW}: {CODE}")),
         ("analyse", 2, (ROW, f"{CODE} as in the file name; remove the file")),
@@ -126,11 +126,11 @@ HEAD = "found session 1 of P01 (tutorial), expected the session in"
         ("replay", 2, (f"{HEAD} the file name; remove the copy",)),
     ],
 )
-def test_commands_refuse_a_copy_under_another_name(lived, capsys, command, status, told):
+def test_commands_refuse_a_copy_under_another_name(lived, capsys, command, status, messages):
     copied_as(lived, "P99")
     found, said, out = call(capsys, command, lived)
     assert found == status
-    assert all(words in said + out for words in told)
+    assert all(words in said + out for words in messages)
 
 
 def test_copy_under_another_name_is_not_resumed(lived):
@@ -174,22 +174,16 @@ def test_participant_codes_must_differ_beyond_case(lived):
 def test_only_one_of_concurrent_studies_gets_the_folder(tmp_path):
     """Of four concurrent studies in a new folder, one continues."""
     designs = [EXPERIMENT.design(TOML + b"# %d\n" % n) for n in range(4)]
+
+    def prepared(root, design):
+        try:
+            prepare(root, design)
+        except InvalidFile:
+            return 2
+        return 0
+
     for n in range(10):
-        begin, go = os.pipe()
-        children = []
-        for design in designs:
-            children.append(os.fork())
-            if children[-1] == 0:
-                os.close(go)
-                os.read(begin, 1)
-                try:
-                    prepare(tmp_path / str(n), replace(design))
-                except InvalidFile:
-                    os._exit(2)
-                os._exit(0)
-        os.close(go)
-        os.close(begin)
-        assert sorted(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children) == [0, 2, 2, 2]
+        assert sorted(at_once(partial(prepared, tmp_path / str(n), design) for design in designs)) == [0, 2, 2, 2]
 
 
 # --- files that killed processes leave
@@ -200,9 +194,9 @@ def test_rebuild_removes_drafts_and_keeps_their_rows(lived, capsys):
     orphan.write_bytes(trials_of(lived).read_bytes() + b"P01,1,tutorial,9,99\n")
     (lived / "journals" / f".{journal_of(lived).name}.4711").write_bytes(b"{")
     (lived / ".study.toml.4711").write_bytes(b"name")
-    told = validate(lived)
-    assert told.defects == ()
-    assert [note.partition(": ")[2] for note in told.notes] == [
+    report = validate(lived)
+    assert report.defects == ()
+    assert [note.partition(": ")[2] for note in report.notes] == [
         "a temporary file left by an interruption; remove it",
         *["a temporary file left by an interruption; tactometry rebuild removes it"] * 2,
     ]

@@ -1,7 +1,6 @@
 """Touches computed in batches equal those from each trial's stream."""
 
 import numpy as np
-import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.gates import compliance, motion
@@ -21,7 +20,7 @@ def stream(n_trials):
     return np.random.default_rng([7, n_trials])
 
 
-def told(touch):
+def facts_of(touch):
     grip = touch.grip
     return grip.forces_n.tolist(), grip.positions_m.tolist(), grip.speed_m_per_s, touch.force, touch.speed
 
@@ -44,7 +43,7 @@ def test_each_trial_draws_from_its_own_stream(trials):
             if step is QUESTION:
                 assert touches.rng.random() == rng.random()
             else:
-                assert told(touches.touch(step)) == one_by_one(step, rng)
+                assert facts_of(touches.touch(step)) == one_by_one(step, rng)
         assert touches.rng.random() == rng.random()
 
 
@@ -53,19 +52,8 @@ def test_each_stream_is_made_once():
     touches = Touches(FINGER, lambda n: made.append(n) or stream(n))
     for n in range(3 * N_AHEAD):
         touches.begin(n)
-        assert told(touches.touch(SLIDE if n % 20 < 10 else GATED)) == one_by_one(
+        assert facts_of(touches.touch(SLIDE if n % 20 < 10 else GATED)) == one_by_one(
             SLIDE if n % 20 < 10 else GATED, stream(n)
         )
         touches.rng.random()
     assert sorted(made) == list(range(len(made)))
-
-
-@pytest.mark.parametrize("request_", [PRESS, SHORT, SLIDE, GATED])
-def test_batched_touches_equal_single_touches(request_):
-    drawn = np.random.default_rng(1).standard_normal((50, FINGER.n_draws(request_)))
-    together = FINGER.holds(request_, drawn)
-    for i, row in enumerate(drawn):
-        alone = FINGER.holds(request_, row[None])
-        assert together.of(i).speed_m_per_s == alone.of(0).speed_m_per_s
-        assert together.forces_n[i].tolist() == alone.forces_n[0].tolist()
-        assert together.positions_m[i].tolist() == alone.positions_m[0].tolist()

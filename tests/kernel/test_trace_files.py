@@ -1,13 +1,12 @@
 """Trace files: complete members after kills and full disks."""
 
 import gzip
-import resource
-import signal
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from full_disk import files_of_at_most
 from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import DeviceFailed, InvalidFile
@@ -112,14 +111,9 @@ def test_damaged_trace_part_is_refused(tmp_path, files):
 
 def test_full_disk_leaves_kept_traces_intact(tmp_path, files):
     first = files.keep("force", touch(1), 1000.0)
-    limits, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (first.n_bytes + 100, limits[1]))
-    try:
-        with pytest.raises(DeviceFailed, match="expected free disk space; all earlier trials are safe; free"):
-            files.keep("force", touch(2), 1000.0)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-        signal.signal(signal.SIGXFSZ, handler)
+    refused = pytest.raises(DeviceFailed, match="expected free disk space; all earlier trials are safe; free")
+    with files_of_at_most(first.n_bytes + 100), refused:
+        files.keep("force", touch(2), 1000.0)
     assert trace_file(tmp_path, SESSION, "force").stat().st_size == first.n_bytes
     second = files.keep("force", touch(2), 1000.0)
     assert second.first_byte == first.n_bytes

@@ -1,9 +1,10 @@
 """Errors of a scene against the same scene computed finer."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
-from scene_cases import VOLT, effect, finest_of
+from scene_cases import VOLT, effect, finest_of, refusal
 
 from tactometry.stimuli.scenes.scene import Scene
 
@@ -46,3 +47,14 @@ def _map_error(got, reference):
     lines = RegularGridInterpolator((got["x_m"], got["y_m"]), got["field_m"])
     places = np.stack(np.meshgrid(reference["x_m"], reference["y_m"], indexing="ij"), axis=-1)
     return float(np.abs(lines(places) - reference["field_m"]).max() / np.abs(reference["field_m"]).max())
+
+
+def accepted(scene: Scene, accuracies: Iterable[float]) -> Iterator[Scene]:
+    """Yield the scene at each accuracy that it accepts. It may refuse those below 1e-3, with the remedy."""
+    for accuracy in accuracies:
+        requested = replace(scene, accuracy=accuracy)
+        if reason := refusal(requested):
+            assert accuracy < 1e-3, reason
+            assert "loosen the accuracy" in reason
+        else:
+            yield requested

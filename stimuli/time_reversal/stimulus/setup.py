@@ -95,7 +95,7 @@ class Setup(GlassPanel):
 
     def responses_at_each(self, places: Sequence[Point]) -> Responses:
         """Return the responses at points, at least one."""
-        return _responses(self, tuple(places))
+        return _responses(self, tuple((x_m, y_m) for x_m, y_m in places))
 
     def learnt(self) -> Responses:
         """Return the first `learnt_s` of the responses at the focus."""

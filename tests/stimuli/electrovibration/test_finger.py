@@ -4,9 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import given, strategies as st
 
-from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
@@ -137,15 +135,6 @@ def test_force_form_matches_force_of_its_law() -> None:
     np.testing.assert_allclose(motion.lateral_n, 0.5 * (2.0 + force_n), rtol=1e-14)
 
 
-@given(scale=st.floats(0.01, 100))
-def test_deflection_is_proportional_to_squared_voltage(scale: float) -> None:
-    one, other = (
-        sliding(T_S[::32], p, form_of(3e-4), finger=FINGER, friction=FRICTION, force_n=1.0).speed_m_per_s
-        for p in (SINE, SINE.scaled(scale))
-    )
-    np.testing.assert_allclose(other, scale**2 * one, rtol=1e-9, atol=1e-18 * scale**2)
-
-
 def test_lag_of_a_step_is_an_exponential() -> None:
     lag, lossless = FrictionLag(), form_of(np.inf)
     found_n = lagged_friction_n(T_S, STEP, lossless, lag=lag, friction=FRICTION, force_n=1.0, speed_m_per_s=0.05)
@@ -154,37 +143,11 @@ def test_lag_of_a_step_is_an_exponential() -> None:
     np.testing.assert_allclose(found_n, expected_n, rtol=1e-12)
 
 
-def test_sine_lag_matches_its_gain_formula() -> None:
-    lag, form = FrictionLag(), form_of(1e-4)
-    t_s = np.linspace(0.025, 0.05, 4001)
-    found_n = lagged_friction_n(t_s, SINE, form, lag=lag, friction=FRICTION, force_n=1.0, speed_m_per_s=0.05)
-    direct_n = 0.5 * form.newton_per_v2 * Solution(SINE, form.relaxations).at(t_s) ** 2
-    ratio = np.ptp(found_n) / np.ptp(direct_n)
-    assert ratio == pytest.approx(float(lag.gain(480.0, 0.05)), rel=1e-4)
-
-
 def test_no_lag_effect_at_rest() -> None:
     found_n = lagged_friction_n(
         T_S, STEP, form_of(1e-3), lag=FrictionLag(), friction=FRICTION, force_n=1.0, speed_m_per_s=0.0
     )
     assert not found_n.any()
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: Finger(mass_kg=0.0), "Finger.mass_kg: found 0.0, expected a finite number above 0"),
-        (lambda: Finger.at_speed(0.0), "Finger.at_speed.speed_m_per_s: found 0.0, expected a finite number above 0"),
-        (lambda: sliding([0.1, 0.0], STEP, form_of(1.0), finger=FINGER, friction=FRICTION, force_n=1.0),
-         "t_s: found 2 times in shape (2,), expected ascending times from 0 to 0.05 s"),
-        (lambda: sliding([0.0], STEP, form_of(1.0), finger=FINGER, friction=FRICTION, force_n=-1.0),
-         "CoulombFriction.force_n: found -1.0, expected a finite number, at least 0"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
-    with pytest.raises(InvalidParameter) as caught:
-        call()
-    assert str(caught.value) == message
 
 
 def test_published_growth_of_a_finger_with_speed() -> None:
@@ -230,3 +193,16 @@ def test_skin_of_one_exponent_without_mass_scales_with_the_force() -> None:
     skin = SkinMobility(mass_kg=0.0, stiffness_exponent=0.4, damping_exponent=0.4)
     f_hz = np.array([0.0, 30.0, 480.0, 1e5])
     np.testing.assert_allclose(skin.gain_m_per_n(f_hz, 100.0) * 100.0**0.4, skin.gain_m_per_n(f_hz, 1.0), rtol=1e-12)
+
+
+def test_almost_uniform_times_are_not_treated_as_uniform() -> None:
+    form = force_form("interface", Skin(), AREA_M2)
+    even_s = np.linspace(0, 0.05, 51)[1:-1]
+    jitter_s = even_s * (1 + 3e-5 * np.sin(np.arange(even_s.size)))
+
+    def deflection_m(t_s: np.ndarray) -> np.ndarray:
+        return sliding(t_s, SINE, form, finger=FINGER, friction=FRICTION, force_n=0.01).deflection_m
+
+    together = deflection_m(jitter_s)
+    alone = [deflection_m(np.array([t_s]))[0] for t_s in jitter_s]
+    np.testing.assert_allclose(together, alone, rtol=1e-11)

@@ -108,6 +108,13 @@ def test_study_texture_follows_path_of_each_finger(tmp_path, capsys):
     assert len(set(digests)) == len(digests) > 15  # no two fingers go the same way
 
 
+def study_of_map(kind, path, digest, more=""):
+    """Return the study with the texture of a file instead of gratings of several periods."""
+    texture = f'texture = {{ kind = "{kind}", pixel_m = "1 mm", path = "{path}", sha256 = "{digest}"{more} }}'
+    varied = ("period_m = ", "counterbalance", "[variants", '"0.', "factor_sd_db")
+    return "\n".join(line for line in changed(TEXT, {TABLE: texture}).splitlines() if not line.startswith(varied))
+
+
 def test_maps_load_from_files_with_stated_digest(tmp_path):
     from PIL import Image as Picture
 
@@ -116,11 +123,7 @@ def test_maps_load_from_files_with_stated_digest(tmp_path):
     for name, row, at in (("map.png", 1, 0.2), ("map.csv", 0, 0.2), ("map.csv", 1, 1.0)):
         path = tmp_path / name
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        image = f'texture = {{ kind = "image", pixel_m = "1 mm", path = "{path}", sha256 = "{digest}", row = {row} }}'
-        no_factor = TEXT.replace("period_m = [0.0005, 0.001, 0.002, 0.004]", "").replace("{ period_m = 2.0 }", "{}")
-        no_variants = no_factor.split("[variants.period_m]")
-        text = no_variants[0].replace('["period_m"]', "[]") + "[stimulus]" + no_variants[1].split("[stimulus]")[1]
-        stimulus = next(iter(wired(changed(text, {TABLE: image})).bank.values()))
+        stimulus = next(iter(wired(study_of_map("image", path, digest, f", row = {row}")).bank.values()))
         assert float(stimulus.texture.force_share(2.5e-3)) == pytest.approx(at)
     with pytest.raises(InvalidParameter, match=f"GreyImage.sha256: found None, expected '{digest}', the digest of"):
         GreyImage(1e-3, path=str(path))
@@ -172,14 +175,7 @@ NO_MAPS = {
 def test_file_without_map_is_refused_in_one_sentence(kind, name, content, words, tmp_path, capsys):
     path, digest = tmp_path / name, hashlib.sha256(content).hexdigest()
     path.write_bytes(content)
-    texture = f'texture = {{ kind = "{kind}", pixel_m = "1 mm", path = "{path}", sha256 = "{digest}" }}'
-    text = load("grating-roughness")[1].decode().replace('texture = { kind = "grating", shape = "square" }', texture)
-    lines = [
-        line
-        for line in text.splitlines()
-        if not line.startswith(("period_m = ", "counterbalance", "[variants", '"0.', "factor_sd_db"))
-    ]
-    (tmp_path / "study.toml").write_text("\n".join(lines), encoding="utf-8")
+    (tmp_path / "study.toml").write_text(study_of_map(kind, path, digest), encoding="utf-8")
     status, said, _ = call(capsys, "run", tmp_path / "study.toml", "--participant", "P01", "--dry-run")
     assert (status, said.count("\n")) == (2, 0)
     assert words in said

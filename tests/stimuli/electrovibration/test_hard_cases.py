@@ -9,9 +9,7 @@ from corneum_closed_form import rise_peak_v, step_voltage_v
 from hard_cases import hard_case
 from sampled_corneum import corneum_voltage_v
 
-from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
-    AmplitudeModulated,
     CoulombFriction,
     Finger,
     PulseTrain,
@@ -23,7 +21,7 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n,
     sliding,
 )
-from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at, force_form
+from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, Solution, high_passed
 
@@ -75,12 +73,6 @@ def test_area_to_0_is_regular_down_to_0(body_ohm: float) -> None:
     np.testing.assert_allclose(densities[0], densities[1], rtol=1e-6)
 
 
-def test_area_of_1_square_metre() -> None:
-    np.testing.assert_allclose(
-        layer_force_n(np.array([100.0]), area_m2=1.0), layer_force_n(np.array([100.0])) * 1e4, rtol=1e-14
-    )
-
-
 def test_gap_to_0_is_continuous() -> None:
     step_v = np.array([100.0, 100.0, 100.0])
     for law in ("interface", "sc_layer"):
@@ -89,16 +81,6 @@ def test_gap_to_0_is_continuous() -> None:
             for g in (0.0, 1e-18)
         )
         hard_case("air gap of 1e-18 m", small_n, none_n, 1e-10, against="no gap")
-
-
-def test_a_law_without_a_gap_refuses_one() -> None:
-    for law in ("parallel_plate", "total_thickness"):
-        with pytest.raises(InvalidParameter) as caught:
-            electrostatic_force_n([1.0], rate_hz=1.0, skin=Skin(gap_m=1e-6), area_m2=AREA_M2, law=law)
-        assert str(caught.value) == (
-            f"law: found {law} with Skin.gap_m other than 0.0, which it has no term for; expected 0.0, or the law "
-            "interface or sc_layer"
-        )
 
 
 @pytest.mark.parametrize("permittivity", [1.0, 1e6])
@@ -150,22 +132,6 @@ def test_a_normal_force_of_0_and_of_1_kilonewton() -> None:
     )
     np.testing.assert_array_equal(none.lateral_n, 0.5 * none.electrostatic_n)
     hard_case("normal force of 1 kN", large.lateral_n, 0.5 * (1e3 + large.electrostatic_n), 1e-15, against="Coulomb")
-
-
-def test_zero_frequency_is_refused_as_tone() -> None:
-    assert P0.gain(0.0) == 0
-    with pytest.raises(InvalidParameter, match=r"Sine\.frequency_hz: found 0\.0"):
-        Sine(frequency_hz=0.0)
-    with pytest.raises(InvalidParameter, match="expected a finite number, at least 0"):
-        P0.gain(-1.0)
-
-
-@pytest.mark.parametrize("kind", [Sine, Square])
-def test_tone_is_refused_at_nyquist_and_above(kind: type) -> None:
-    for frequency_hz in (10_000.0, 15_000.0):
-        with pytest.raises(InvalidParameter, match="expected less than half of rate_hz"):
-            kind(frequency_hz=frequency_hz, rate_hz=20_000.0)
-    assert kind(frequency_hz=9_999.0, rate_hz=20_000.0).at(20.0).peak <= 10
 
 
 def test_band_limited_square_near_nyquist_is_a_sine() -> None:
@@ -231,16 +197,6 @@ def test_nonzero_mean_voltage_is_blocked_in_steady_state(ratio: float) -> None:
     hard_case("a mean that is blocked", blocked_v, plain_v.at(late_s), 1e-12, against="no mean", floor=1)
 
 
-def test_shortest_and_longest_ramps_are_finite_and_bounded() -> None:
-    for ramp_s in (1e-9, 0.05):
-        signal = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=ramp_s).at(20.0)
-        assert signal.peak <= 10
-        assert np.isfinite(signal.samples).all()
-
-
-def test_exact_and_sampled_carrier_have_same_slow_force() -> None:
-    carrier = AmplitudeModulated(frequency_hz=240.0, carrier_hz=2000.0, rate_hz=400_000.0, duration_s=0.2)
-    sampled_n = layer_force_n(carrier.at(40.0).samples[0], rate_hz=400_000.0)[:60_000]
-    t_s = np.arange(60_000) / 400_000
-    exact_n = electrostatic_force_n_at(t_s, carrier.pieces(40.0), skin=P0, area_m2=AREA_M2, law="sc_layer")
-    np.testing.assert_allclose(sampled_n, exact_n, atol=1e-3 * exact_n.max())
+@pytest.mark.parametrize("kind", [Sine, Square])
+def test_tone_just_below_nyquist_keeps_its_peak(kind: type) -> None:
+    assert kind(frequency_hz=9_999.0, rate_hz=20_000.0).at(20.0).peak <= 10

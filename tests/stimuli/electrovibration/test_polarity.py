@@ -7,7 +7,6 @@ from hypothesis import given, strategies as st
 from sampled_corneum import corneum_voltage_v
 
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.felt_scene import FeltScene
 from tactometry.stimuli.electrovibration import ElectrovibrationSensation, PulseTrain, Skin, electrostatic_force_n
 from tactometry.stimuli.electrovibration.attraction.force import LAWS, electrostatic_force_n_at
@@ -63,9 +62,3 @@ def test_positive_pulses_feel_weaker_when_polarity_is_set() -> None:
     assert felt_db("positive", even) == pytest.approx(felt_db("negative", even), abs=1e-9)
     positive_db, negative_db, biphasic_db = (felt_db(p, asymmetric) for p in ("positive", "negative", "biphasic"))
     assert positive_db < min(negative_db, biphasic_db) - 0.2
-
-
-def test_a_negative_share_is_one_clear_sentence() -> None:
-    with pytest.raises(InvalidParameter) as caught:
-        Polarity(-0.5)
-    assert str(caught.value) == "Polarity.positive_share: found -0.5, expected a finite number, at least 0"

@@ -81,9 +81,9 @@ def test_custom_waveform_study_simulates_validates_and_replays(added):
 
 
 def test_custom_waveform_appears_in_keys_and_laws(added):
-    told = json.loads(added[-1])
-    assert "stimulus.sawtooth" in told["keys"]
-    assert "sawtooth" in told["laws"]
+    output = json.loads(added[-1])
+    assert "stimulus.sawtooth" in output["keys"]
+    assert "sawtooth" in output["laws"]
 
 
 def test_mistyped_custom_waveform_name_is_reported(added):

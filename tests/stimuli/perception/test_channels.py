@@ -59,10 +59,3 @@ def test_pacinian_gain_is_3_db_per_area_doubling():
 def test_masker_lowers_level_by_its_threshold_rise():
     masked = felt(effect("sensitivity"), effect("masking", level_db_re_threshold=25.0))
     assert felt(effect("sensitivity")) - masked == pytest.approx(13.0, abs=1e-9)
-
-
-def test_two_frequency_thresholds_are_refused_with_fix():
-    with pytest.raises(InvalidParameter, match=r"'sensitivity' with 'receptors', .*remove 'sensitivity' or 'recep"):
-        panel(effect("friction"), effect("sensitivity"), effect("receptors"))
-    with pytest.raises(InvalidParameter, match=r"'summation' without an effect in slot receptors"):
-        panel(effect("friction"), effect("sensitivity"), effect("summation"))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from scene_cases import RUBBED, refusal
-from scene_errors import error_of
+from scene_errors import accepted, error_of
 from soak import SOAK
 
 from tactometry.experiments.scenes import path_of
@@ -31,13 +31,9 @@ READ_OFF = frozenset(("focus_displacement_m", "field_m", "electrostatic_force_n"
 """Courses and maps, whose error is that of straight lines; levels, peaks and energies are far better than predicted."""
 
 
-@pytest.fixture
-def ran():
-    def run(found, scene):
-        plan = scene.resolve()
-        return plan.run({key: found.given[key] for key in plan.given}), plan.error
-
-    return run
+def ran(found, scene):
+    plan = scene.resolve()
+    return plan.run({key: found.given[key] for key in plan.given}), plan.error
 
 
 def reference(scene):
@@ -54,7 +50,7 @@ def error(got, true, output):
 
 
 @pytest.mark.parametrize(("name", "outputs"), CASES)
-def test_built_in_scene_meets_accuracy_or_is_refused(ran, name, outputs):
+def test_built_in_scene_meets_accuracy_or_is_refused(name, outputs):
     """The predicted error never exceeds the requested accuracy.
 
     It is at most ten times the true error, or a tenth of the request if that is larger.
@@ -62,17 +58,11 @@ def test_built_in_scene_meets_accuracy_or_is_refused(ran, name, outputs):
     found = load_scene(path_of(name))
     finest = reference(replace(found.scene, outputs=outputs))
     true, _ = ran(found, finest)
-    for accuracy in (value for value in ACCURACIES if value > finest.accuracy):
-        asked = replace(found.scene, outputs=outputs, accuracy=accuracy)
-        reason = refusal(asked)
-        if reason:
-            assert accuracy < 1e-3, reason
-            assert "loosen the accuracy" in reason
-            continue
-        got, predicted = ran(found, asked)
+    scene = replace(found.scene, outputs=outputs)
+    for requested in accepted(scene, (value for value in ACCURACIES if value > finest.accuracy)):
+        got, predicted = ran(found, requested)
         errors = {output: error(got, true, output) for output in outputs if output not in CLOCKS}
-        print(f"{name} {accuracy:g}: predicted {predicted:.1e}, true {errors}")
         assert max(errors.values()) <= predicted + finest.accuracy
-        assert predicted <= accuracy
+        assert predicted <= requested.accuracy
         if READ_OFF & set(errors):
             assert predicted <= 10 * (max(errors.values()) + finest.accuracy)

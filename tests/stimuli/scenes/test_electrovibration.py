@@ -5,34 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from felt_models import felt_by
-from fresh_processes import counted
 from hard_cases import hard_case
 from hypothesis import HealthCheck, given, settings
-from scene_cases import (
-    ELECTROVIBRATION,
-    LEVEL,
-    SLIDING,
-    between_events,
-    default,
-    effect,
-    finest_of,
-    panel,
-    panels,
-    with_needs,
-)
+from scene_cases import ELECTROVIBRATION, LEVEL, between_events, default, effect, finest_of, panel, panels, with_needs
 from soak import SOAK
 
-from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter
-from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.electrovibration import CoulombFriction, ElectrovibrationSensation, Sine, Skin
+from tactometry.stimuli.electrovibration import Sine, Skin
 from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
 from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
-from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
 from tactometry.stimuli.electrovibration.motion.pad import Finger
-from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 
@@ -44,27 +26,7 @@ def run(scene: Scene):
     return scene.resolve().run(LEVEL)
 
 
-def calls(plan: Plan) -> int:
-    """Count the calls of a warm run: the fewest of five.
-
-    The interpreter occasionally adds calls of its internals.
-    """
-    plan.run(LEVEL)
-    return min(counted(plan, LEVEL) for _ in range(5))
-
-
 # --- off costs nothing
-
-
-@pytest.mark.parametrize("kind", sorted(set(ELECTROVIBRATION) - {"carrier", "texture"}))
-def test_unneeded_effect_costs_no_calls(kind):
-    without = panel(outputs=("voltage_v",)).resolve()
-    with_it = panel(*with_needs(kind), outputs=("voltage_v",)).resolve()
-    if kind == "dc_offset":
-        assert calls(with_it) > calls(without)
-    else:
-        assert with_it.stages == without.stages
-        assert calls(with_it) == calls(without)
 
 
 def test_level_independent_stages_run_once():
@@ -73,11 +35,6 @@ def test_level_independent_stages_run_once():
     assert len(plan._program.steps) < len(plan.stages) / 2
     first = plan.run({"level_db_re_1v": 20.0})["electrostatic_force_n"]
     np.testing.assert_allclose(plan.run({"level_db_re_1v": 40.0})["electrostatic_force_n"], 100 * first, rtol=1e-12)
-
-
-def test_a_static_scene_computes_no_friction():
-    off = panel(default("friction"), default("friction_lag"), outputs=("peak_force_n",))
-    assert {each.kind for each in off.off()} == {"friction", "friction_lag"}
 
 
 # --- each effect changes what it is meant to change
@@ -121,16 +78,6 @@ def test_texture_scales_force_along_path():
     share = (1 + np.cos(2 * np.pi * 0.05 * got["t_s"] / 1e-3)) / 2
     np.testing.assert_allclose(texture.force_share(0.05 * got["t_s"]), share, atol=1e-12)
     np.testing.assert_allclose(got["electrostatic_force_n"], without * share, atol=2e-4 * without.max())
-
-
-def test_scene_sensation_matches_observer():
-    surface = Electrovibration(60.0, duration_s=1.0)
-    effects = [default(k) for k in ("force_law", "skin_leakage", "contact_area", "friction", "friction_lag")]
-    scene = Scene(surface, (*effects, default("sensitivity")), ("sensation_db",), 1e-3, SLIDING)
-    signal: Signal = Sine(60.0).at(40.0)
-    model = felt_by(ElectrovibrationSensation(friction=CoulombFriction(), lag=FrictionLag()))
-    observer_db = model.sensation_db(signal, Contact(2.0, 0.05))
-    assert abs(run(scene)["sensation_db"] - observer_db) < 0.1
 
 
 # --- the tolerance is kept
@@ -203,14 +150,6 @@ def test_random_scenes_keep_their_accuracy(case):
             hard_case("random scenes, in parts of the accuracy asked for", error, 0, 1.0, against="finer", floor=1)
 
 
-def test_accuracy_is_refused_when_it_needs_many_samples():
-    fine = panel(default("carrier"), default("skin_leakage"), accuracy=1e-8)
-    with pytest.raises(
-        InvalidParameter, match=r"accuracy: .* for 'sampling', .*\(n_samples = 4000000\); loosen the accuracy"
-    ):
-        fine.resolve()
-
-
 @pytest.mark.parametrize(("frequency_hz", "ramp_s"), [(20.0, 0.0), (60.0, 0.01)])
 def test_stick_slip_events_are_exact(frequency_hz, ramp_s):
     ringing = effect("finger_dynamics", damping_n_s_per_m=0.05)  # else it slips once, and slides on
@@ -242,11 +181,6 @@ def test_voltage_does_not_hold_a_stuck_finger():
     assert slips_s[1] > 1.01 * slips_s[0]
 
 
-def test_unreachable_accuracy_of_output_is_refused_with_reason():
-    with pytest.raises(InvalidParameter, match=r"for 'spectrum', .*\(padding = \d+\); loosen the accuracy"):
-        panel(default("friction"), default("sensitivity"), outputs=("sensation_db",), accuracy=1e-9).resolve()
-
-
 # --- order and conflicts
 
 
@@ -254,68 +188,3 @@ def test_the_order_of_the_tuple_does_not_matter():
     kinds = ("skin_leakage", "air_gap", "body_resistance", "contact_area")
     first, *others = (panel(*map(default, order)).resolve() for order in itertools.permutations(kinds))
     assert all(plan == first for plan in others)
-
-
-@pytest.mark.parametrize(
-    ("effects", "message"),
-    [
-        (lambda: [default("friction"), default("dry_friction")],
-         r"effects\[2\]: found 'dry_friction' with 'friction', expected only one of them .*; remove the other"),
-        (lambda: [default("friction"), default("polarity"), default("friction_lag")],
-         r"found 'polarity' with 'friction_lag', expected only one of them: .*; remove one of the two"),
-        (lambda: [default("friction_lag")],
-         r"found 'friction_lag' without an effect in slot friction, .*; add it or remove 'friction_lag'"),
-        (lambda: [default("dry_friction")], r"found 'dry_friction' without an effect in slot dynamics"),
-        (lambda: [effect("force_law", law="interface")],
-         r"effects\[1\]: found 'force_law' with 'force_law', expected only one of them"),
-    ],
-)  # fmt: skip
-def test_contradictory_effects_are_refused_with_fix(effects, message):
-    with pytest.raises(InvalidParameter, match=message):
-        panel(*effects())
-
-
-def test_a_finger_at_rest_has_no_friction():
-    scene = panel()
-    with pytest.raises(InvalidParameter, match=r"'friction' without a sliding contact, .*speed_m_per_s above 0"):
-        replace(scene, effects=(*scene.effects, default("friction")), contacts=())
-
-
-def test_law_without_required_term_is_refused():
-    surface = Electrovibration(60.0)
-    lossy = (effect("force_law", law="total_thickness"), default("skin_leakage"))
-    with pytest.raises(InvalidParameter, match=r"'total_thickness' with 'skin_leakage', .* interface or sc_layer"):
-        Scene(surface, lossy, ("peak_force_n",)).resolve()
-
-
-@pytest.mark.parametrize("kind", ["dc_offset", "skin_leakage", "body_resistance"])
-def test_sudden_onset_is_refused_when_effect_relaxes(kind):
-    scene = replace(panel(default(kind)), surface=Electrovibration(60.0, duration_s=0.05, ramp_s=0.0))
-    with pytest.raises(InvalidParameter, match=rf"{kind}: .*set ramp_s of the tone above 0"):
-        scene.resolve()
-
-
-def test_an_output_without_its_effect_names_the_effect():
-    with pytest.raises(InvalidParameter, match=r"no stage or effect for 'friction_force_n'.*; add the effect friction"):
-        panel(outputs=("friction_force_n",)).resolve()
-    with pytest.raises(
-        InvalidParameter, match=r"no stage or effect for 'form', which .* needs.* name one of the four laws"
-    ):
-        Scene(Electrovibration(60.0), (), ("peak_force_n",)).resolve()
-
-
-@pytest.mark.parametrize("accuracy", [0.0, -1.0, 1.5, float("nan")])
-def test_an_accuracy_outside_of_its_range_is_refused(accuracy):
-    with pytest.raises(InvalidParameter, match=r"Scene\.accuracy: found .*, expected a number above 0 and at most 1"):
-        panel(accuracy=accuracy)
-
-
-def test_custom_setting_overrides_chosen_setting():
-    scene = replace(panel(outputs=("t_s",)), settings={"sampling": {"n_samples": 33}})
-    assert scene.resolve().run({})["t_s"].size == 33
-    for bad, message in (
-        ({"sampling": {"n_sample": 3}}, r"settings\.sampling\.n_sample: .*did you mean 'n_samples'"),
-        ({"samplin": {}}, r"settings\.samplin: .*did you mean 'sampling'"),
-    ):
-        with pytest.raises(InvalidParameter, match=message):
-            replace(scene, settings=bad).resolve()

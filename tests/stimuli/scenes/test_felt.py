@@ -10,9 +10,7 @@ from scene_cases import default, effect, small_screen
 from scipy.signal import resample
 
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
-from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, FingerContact
 from tactometry.stimuli.electrovibration import AmplitudeModulated, CoulombFriction, PulseTrain, Sine, Skin, Square
 from tactometry.stimuli.electrovibration.attraction.force import force_form
@@ -166,33 +164,6 @@ def test_custom_effect_on_friction_changes_sensation(kinds):
     )  # components of a lag are in their steady state
 
 
-def test_signal_is_refused_when_not_single_channel_voltage():
-    with pytest.raises(InvalidParameter, match=r"signal: found 2 channels in 'V', expected one channel in volt"):
-        felt().sensation(Signal(np.ones((2, 10_000)), 20_000.0, "V"), TOUCH)
-
-
-def test_a_scene_without_a_threshold_names_the_cure():
-    scene = replace(felt(), effects=(default("force_law"), default("friction")), outputs=("peak_force_n",))
-    with pytest.raises(InvalidParameter, match=r"no stage or effect for 'sensation_db'.*sensitivity, or receptors"):
-        scene.sensation(Sine(60.0, 0.5).at(30.0), TOUCH)
-
-
-NO_STIMULUS = {
-    "no losses, no patches": ((), r"^effects: found a plate without losses or patches for .* add 'attenuation' and"),
-    "losses by frequency": (
-        (effect("attenuation", exponent=0.5),),
-        r"^attenuation\.exponent: found 0\.5 for a played signal",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", NO_STIMULUS)
-def test_plates_without_stimulus_are_refused(name):
-    effects, sentence = NO_STIMULUS[name]
-    with pytest.raises(InvalidParameter, match=sentence):
-        Scene(small_screen(), effects, ("peak_m",)).sensation(Sine(60.0, 0.5).at(30.0), Contact(1.0))
-
-
 PLATE = (effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3))
 
 
@@ -222,13 +193,6 @@ def test_finger_off_focus_feels_its_own_place(place):
     assert level_db == pytest.approx(loaded_db, abs=0.02)
     assert touched.sensation(drive, Contact(1.5)) == pytest.approx(level_db, abs=1.0)
     assert level_db < at_focus_db - 8
-
-
-def test_finger_outside_plate_feels_nothing():
-    touched = (FingerContact(1.5, x_m=1.0),)
-    scene = Scene(small_screen(), (*PLATE, effect("focus_detection")), ("sensation_db",), contacts=touched)
-    with pytest.raises(InvalidParameter, match=r"^contacts\[0\]: found \(1\.0, 0\.04\) m, expected a place on the pl"):
-        scene.resolve()
 
 
 def test_played_plate_includes_all_plate_effects():
@@ -270,36 +234,6 @@ def test_hybrid_screen_sensation_is_the_stronger_side():
     rested = foci.sensation(drives.focus.at(28.0), Contact(1.0))
     assert screen.sensation(signal, Contact(1.0)) == pytest.approx(rested, abs=1e-6)
     assert screen.sensation(signal, Contact(1.0, 0.05)) == pytest.approx(max(rested, slid), abs=1e-6)
-
-
-FELT_WRONGLY = {
-    "no signal": ((None, TOUCH), r"^Scene\.sensation\.signal: found None, expected a Signal$"),
-    "samples": ((np.zeros(9), TOUCH), r"^Scene\.sensation\.signal: found array.*, expected a Signal$"),
-    "a force": ((Sine(60.0).at(30.0), 1.5), r"^Scene\.sensation\.contact: found 1\.5, expected a Contact or a FingerC"),
-}
-
-
-@pytest.mark.parametrize("name", FELT_WRONGLY)
-def test_sensation_refuses_invalid_signal_or_contact(name):
-    arguments, sentence = FELT_WRONGLY[name]
-    with pytest.raises(InvalidParameter, match=sentence):
-        felt().sensation(*arguments)
-
-
-MADE_WRONGLY = {
-    "outputs": ("sensation_db", r"^Scene\.outputs: found 'sensation_db', expected a tuple or a list$"),
-    "effects": (("friction",), r"^Scene\.effects\[0\]: found 'friction', expected "),
-    "contacts": ((1.0,), r"^Scene\.contacts\[0\]: found 1\.0, expected a FingerContact$"),
-    "surface": (None, r"^Scene\.surface: found None, expected a Surface$"),
-    "accuracy": ("fine", r"^Scene\.accuracy: found fine, expected a number above 0 and at most 1$"),
-}
-
-
-@pytest.mark.parametrize("name", MADE_WRONGLY)
-def test_scene_refuses_invalid_fields(name):
-    value, sentence = MADE_WRONGLY[name]
-    with pytest.raises(InvalidParameter, match=sentence):
-        replace(felt(), **{name: value})
 
 
 def test_sensation_resolves_once_and_caches_spectra(monkeypatch):

@@ -57,20 +57,23 @@ def test_invalid_file_is_refused_with_key_path(changes, message):
 
 
 @pytest.mark.parametrize(
-    ("setting", "message"),
+    ("settings", "message"),
     [
-        ({"n_samples": 0}, r"settings\.sampling\.n_samples: found 0, expected a whole number above 0, such as \d+"),
-        ({"n_samples": 33.5}, r"settings\.sampling\.n_samples: found 33\.5, expected a whole number above 0"),
-        ({"n_samples": "many"}, r"settings\.sampling\.n_samples: found 'many', expected a whole number"),
-        ({"n_sample": 33}, r"settings\.sampling\.n_sample: .*did you mean 'n_samples'"),
+        ({"sampling": {"n_samples": 0}}, r"sampling\.n_samples: found 0, expected a whole number above 0, such as \d+"),
+        ({"sampling": {"n_samples": 33.5}}, r"sampling\.n_samples: found 33\.5, expected a whole number above 0"),
+        ({"sampling": {"n_samples": "many"}}, r"sampling\.n_samples: found 'many', expected a whole number"),
+        ({"sampling": {"n_sample": 33}}, r"sampling\.n_sample: .*did you mean 'n_samples'"),
+        ({"samplin": {}}, r"samplin: .*did you mean 'sampling'"),
     ],
 )
-def test_setting_in_file_overrides_or_is_refused(setting, message):
-    given = {"level_db_re_1v": 40.0}
-    ours = scene_of(table(settings={"sampling": {"n_samples": 33}}, given=given)).scene
-    assert ours.resolve().run(given)["t_s"].size == 33
-    with pytest.raises(InvalidParameter, match=message):
-        scene_of(table(settings={"sampling": setting})).scene.resolve()
+def test_invalid_setting_in_file_is_refused(settings, message):
+    with pytest.raises(InvalidParameter, match=rf"settings\.{message}"):
+        scene_of(table(settings=settings)).scene.resolve()
+
+
+def test_setting_in_file_overrides_the_chosen_one():
+    ours = scene_of(table(settings={"sampling": {"n_samples": 33}}))
+    assert ours.scene.resolve().run({"level_db_re_1v": 40.0})["t_s"].size == 33
 
 
 def test_custom_setting_hides_predicted_error(capsys, tmp_path):
@@ -273,9 +276,9 @@ def test_lift_off_is_reported_when_linear_contact_pulls(tmp_path, capsys):
             force_n < 1
         )
         assert status("scene", file, "--json") == 0
-        told = json.loads(capsys.readouterr().out)
-        pulled[force_n] = told["pulls_n"][0]
-        assert pulled[force_n] == pytest.approx(max(-told["outputs"]["contact_force_n"]["min"] - force_n, 0.0))
+        printed = json.loads(capsys.readouterr().out)
+        pulled[force_n] = printed["pulls_n"][0]
+        assert pulled[force_n] == pytest.approx(max(-printed["outputs"]["contact_force_n"]["min"] - force_n, 0.0))
     assert pulled[0.01] > 0 == pulled[20.0]
 
 
@@ -287,8 +290,8 @@ def test_lift_off_is_reported_without_force_output():
     assert pulled.force_n == 2.0
     # a contact whose force is 10 N s/m times the speed of the plate under it, as the course of the plate has it
     course = replace(found.scene, outputs=("t_s", "focus_displacement_m"))
-    told = course.resolve().run(found.given)
-    speed_m_per_s = np.gradient(told["focus_displacement_m"], told["t_s"])
+    course_values = course.resolve().run(found.given)
+    speed_m_per_s = np.gradient(course_values["focus_displacement_m"], course_values["t_s"])
     assert pulled.pull_n == pytest.approx(-10.0 * speed_m_per_s.min(), rel=0.05)
     first_v = 10 ** (pulled.first_db_re_1v / 20)
     assert first_v == pytest.approx(found.given["voltage_v"] * 2.0 / pulled.pull_n)

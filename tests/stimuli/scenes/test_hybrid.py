@@ -7,12 +7,10 @@ import pytest
 from scene_cases import effect, panel, screen, small_screen
 
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes import cache
 from tactometry.stimuli.scenes.cache import cached_result
 from tactometry.stimuli.scenes.figures.courses import write_film
-from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.plan import compute
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -31,14 +29,6 @@ HYBRID = Scene(
 def run(scene):
     plan = scene.resolve()
     return plan.run({name: GIVEN[name] for name in plan.given})
-
-
-def test_hybrid_sides_match_their_single_scenes():
-    alone = Scene(small_screen(), FOCUS, ("peak_m",), 0.01, (REST, replace(SLIDE, speed_m_per_s=0.0)))
-    got = run(HYBRID)
-    assert got["peak_m"] == pytest.approx(run(alone)["peak_m"], rel=1e-3)
-    dragged = run(replace(panel(*FRICTION[1:], outputs=("friction_force_n",), accuracy=1e-3)))["friction_force_n"]
-    assert got["friction_force_n"].max() == pytest.approx(dragged.max(), rel=1e-2)
 
 
 def test_sliding_finger_weakens_focus_under_resting_finger():
@@ -191,13 +181,3 @@ def test_mp4_film_requires_ffmpeg(tmp_path, monkeypatch):
     with pytest.raises(InvalidParameter, match=r"--movie: found no ffmpeg, .*imageio-ffmpeg .*or write a \.gif"):
         write_film(film(), "a focus", tmp_path / "b.mp4")
     assert not (tmp_path / "b.mp4").exists()
-
-
-def test_overlong_film_is_refused_with_fix():
-    with pytest.raises(InvalidParameter, match=r"movie: found a span of 0\.01 s, .*shorten it or raise them"):
-        screen(effect("movie", span_s=0.01), outputs=("movie_m",)).resolve()
-
-
-def test_hybrid_screen_has_resting_and_sliding_finger():
-    contacts = load_scene(path_of("hybrid-screen")).scene.contacts
-    assert [touch.slides for touch in contacts] == [False, True]

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
 import pytest
-from fresh_processes import told
 from places import ROOT
 from scene_cases import ELECTROVIBRATION, LEVEL, TIME_REVERSAL, VOLT, small_screen
 
@@ -104,24 +103,30 @@ def with_it(side: str, kind: str):
     return table(side, [*company, *named(kind)], (*SIDES[side].outputs, f"sliding_{output}" if slid else output))
 
 
+def in_fresh_processes(pairs):
+    """Run pairs of scenes in processes that loaded no effect before; see `fresh_processes`."""
+    if not hasattr(os, "fork"):
+        pytest.skip("needs os.fork for a process per effect")
+    here = ROOT / "tests" / "support" / "fresh_processes.py"
+    done = subprocess.run([sys.executable, here], input=json.dumps(pairs), capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
 @pytest.fixture(scope="module")
 def answers():
     """Return results without each effect, with it, and again without it.
 
     Includes every surface without effects.
     """
-    if not hasattr(os, "fork"):
-        pytest.skip("needs os.fork for a process per effect")
-    asked = {
-        side: (
-            table(side, (), SIDES[side].bare),
-            {kind: (without(side, kind), with_it(side, kind)) for kind in SIDES[side].kinds},
-        )
-        for side in SIDES
-    }
-    here = ROOT / "tests" / "support" / "fresh_processes.py"
-    done = subprocess.run([sys.executable, here], input=json.dumps(asked), capture_output=True, text=True, check=True)
-    return json.loads(done.stdout)
+    return in_fresh_processes(
+        {
+            side: (
+                table(side, (), SIDES[side].bare),
+                {kind: (without(side, kind), with_it(side, kind)) for kind in SIDES[side].kinds},
+            )
+            for side in SIDES
+        }
+    )
 
 
 def module_of(kind: str) -> str:
@@ -168,18 +173,29 @@ def test_effect_physics_is_imported_only_with_effect(answers, physics):
         assert (module in on["modules"]) == bool(OWNERS[physics] & named), (side, kind)
 
 
-# --- an effect that is there, but that no output needs
-
-OTHER = {**dict.fromkeys(TIME_REVERSAL, ("electrode_voltage_v",)), **dict.fromkeys(ELECTROVIBRATION, ("peak_m",))}
+UNNEEDED = {
+    **dict.fromkeys((*TIME_REVERSAL, *ELECTROVIBRATION), "electrode_voltage_v"),
+    **dict.fromkeys(("carrier", "dc_offset", "texture"), "peak_m"),
+}
+"""For each effect, an output of the hybrid screen that does not need it."""
 
 
 @pytest.fixture(scope="module")
-def other_side():
-    return {outputs: told(table("hybrid", (), outputs)) for outputs in set(OTHER.values())}
+def unneeded():
+    """Return results without and with an effect that its output does not need."""
+    pairs = {
+        kind: (table("hybrid", (), (output,)), table("hybrid", named(kind), (output,)))
+        for kind, output in UNNEEDED.items()
+    }
+    return in_fresh_processes({"hybrid": (table("hybrid", (), ("electrode_voltage_v",)), pairs)})[1]["hybrid"]
 
 
-@pytest.mark.parametrize("kind", OTHER)
-def test_hybrid_effect_costs_other_side_no_calls(other_side, kind):
-    got, alone = told(table("hybrid", named(kind), OTHER[kind])), other_side[OTHER[kind]]
-    assert got["stages"] == alone["stages"]
-    assert got["calls"] == alone["calls"]
+@pytest.mark.parametrize("kind", UNNEEDED)
+def test_unneeded_effect_imports_only_its_own_module(unneeded, kind):
+    without_it, with_effect, _ = unneeded[kind]
+    modules = {module_of(effect["kind"]) for effect in named(kind)}
+    packages = {module.rpartition(".")[0] for module in modules}  # whose `__init__` is empty
+    added = set(with_effect["modules"]) - set(without_it["modules"])
+    assert modules <= added <= modules | packages
+    assert with_effect["stages"] == without_it["stages"]
+    assert with_effect["calls"] == without_it["calls"]

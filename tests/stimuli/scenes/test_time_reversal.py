@@ -1,4 +1,4 @@
-"""Time-reversal scenes: laziness, stage order and accuracy."""
+"""Time-reversal scenes: physics, lift-off, stage order and accuracy."""
 
 import itertools
 import tracemalloc
@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given, settings, strategies as st
 from scene_cases import RESTING, TIME_REVERSAL, VOLT, effect, finest_of, refusal, screen, screens, small_screen, tuned
-from scene_errors import LOSSY, error_of, finer, run
+from scene_errors import LOSSY, accepted, error_of, finer, run
 from soak import SOAK
 
 from tactometry.experiments.scenes import path_of
@@ -22,13 +22,13 @@ from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.merit import field, modal_amplitudes
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
+from tactometry.stimuli.time_reversal.lift_off import one_sided_contact, one_sided_contacts
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import border
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce, border
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 PATCHES, ONE_BIT = effect("patches", side_m=8e-3), effect("one_bit")
@@ -37,47 +37,53 @@ PATCHES, ONE_BIT = effect("patches", side_m=8e-3), effect("one_bit")
 # --- what it computes is what the plate does
 
 
+FOCUS, RATE_HZ, BAND = (0.05, 0.04), 960e3, Band(0.0, 15e3, 3e3)
+SMALL = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
+WHOLE = Screen(SMALL, tuple(border(SMALL, 8, 8e-3)), Attenuation(2e-3))
+
+
+def learnt_responses():
+    return band_limited(impulse_responses(WHOLE, [FOCUS], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3), BAND)
+
+
 def test_one_bit_peak_is_sum_of_learnt_responses():
-    plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
-    whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
-    raw = impulse_responses(whole, [(0.05, 0.04)], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3)
-    learnt = band_limited(raw, Band(0.0, 15e3, 3e3))
+    learnt = learnt_responses()
     amplitude_m = focus_amplitude(drive(learnt, 30.0, OneBit()), learnt)
     assert abs(run(screen(LOSSY, PATCHES, ONE_BIT, accuracy=1e-4))["peak_m"] / amplitude_m - 1) < 5e-3
 
 
 @pytest.fixture(scope="module")
 def fine():
-    """Return a scene over the full bandwidth and its 4x finer physics."""
-    plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
-    whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
-    raw = impulse_responses(whole, [(0.05, 0.04)], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3)
-    signal = drive(band_limited(raw, Band(0.0, 15e3, 3e3)), 30.0, OneBit())
+    """Return the drive of the scene at 16 times its clock, and the sample of its focus."""
+    signal = drive(learnt_responses(), 30.0, OneBit())
     n = signal.samples.shape[1]
-    wide = np.pad(signal.samples, ((0, 0), (n, n)))
-    gain = Band(0.0, 15e3, 3e3).at(np.fft.rfftfreq(3 * n, 1 / 60e3))
-    spectrum = np.fft.rfft(wide) * gain
-    return whole, Signal(16 * np.fft.irfft(spectrum, 48 * n), 960e3, "V"), 16 * (2 * n - 1)
+    spectrum = np.fft.rfft(np.pad(signal.samples, ((0, 0), (n, n)))) * BAND.at(np.fft.rfftfreq(3 * n, 1 / 60e3))
+    return Signal(16 * np.fft.irfft(spectrum, 48 * n), RATE_HZ, "V"), 16 * (2 * n - 1)
+
+
+def around_focus(got, course, focus):
+    """Return a course of a scene at the samples around the focus, and these samples."""
+    at = np.arange(focus - 3000, focus + 900)
+    return np.interp((at - focus) / RATE_HZ, got["t_s"], course), at
 
 
 def test_focus_signal_matches_time_domain(fine):
-    whole, signal, focus = fine
-    responses = impulse_responses(whole, [(0.05, 0.04)], rate_hz=960e3, duration_s=12e-3, f_max_hz=120e3)
+    signal, focus = fine
+    responses = impulse_responses(WHOLE, [FOCUS], rate_hz=RATE_HZ, duration_s=12e-3, f_max_hz=120e3)
     expected = emitted(signal, responses)[0]
     got = run(screen(LOSSY, PATCHES, ONE_BIT, outputs=("t_s", "focus_displacement_m"), accuracy=1e-3))
-    at_s = (np.arange(focus - 3000, focus + 900) - focus) / 960e3
-    course = np.interp(at_s, got["t_s"], got["focus_displacement_m"])
-    assert np.abs(course - expected[focus - 3000 : focus + 900]).max() < 1e-3 * np.abs(expected[focus])
+    course, at = around_focus(got, got["focus_displacement_m"], focus)
+    assert np.abs(course - expected[at]).max() < 1e-3 * np.abs(expected[focus])
 
 
 def test_field_and_energy_match_time_domain(fine):
-    whole, signal, focus = fine
+    signal, focus = fine
     outputs = ("x_m", "y_m", "field_m", "energy_j")
     got = run(screen(LOSSY, PATCHES, ONE_BIT, effect("drive_energy"), outputs=outputs, accuracy=1e-2))
-    expected = field(whole, signal, focus, (got["x_m"], got["y_m"]), 240e3)
+    expected = field(WHOLE, signal, focus, (got["x_m"], got["y_m"]), 240e3)
     assert np.abs(got["field_m"] - expected).max() < 1e-2 * np.abs(expected).max()
-    omega = whole.oscillators(240e3).omega_rad_per_s
-    strain_j = 0.5 * whole.plate.mass_kg * np.sum((omega * modal_amplitudes(whole, signal, focus, 240e3)) ** 2)
+    omega = WHOLE.oscillators(240e3).omega_rad_per_s
+    strain_j = 0.5 * SMALL.mass_kg * np.sum((omega * modal_amplitudes(WHOLE, signal, focus, 240e3)) ** 2)
     assert abs(got["energy_j"] / strain_j - 1) < 1e-2
 
 
@@ -90,46 +96,37 @@ def test_the_power_does_not_change_with_the_clock(quantiser):
     assert power_w == pytest.approx([power_w[-1]] * 3, rel=0.02)
 
 
-def test_finger_load_matches_loaded_responses(fine):
-    whole, signal, focus = fine
-    finger = Fingertip().load((0.05, 0.04), 2.0)
-    sampling = {"rate_hz": 960e3, "duration_s": 12e-3, "f_max_hz": 400e3}
-    expected = emitted(signal, loaded_responses(whole, [(0.05, 0.04)], [finger], **sampling))[0]
+@pytest.mark.parametrize("impedance", ["lumped", "tissue"])
+def test_loaded_focus_matches_loaded_responses(fine, impedance):
+    signal, focus = fine
+    finger = Fingertip(impedance=impedance).contact(FOCUS, 2.0)
+    sampling = {"rate_hz": RATE_HZ, "duration_s": 12e-3, "f_max_hz": 400e3}
+    expected = emitted(signal, loaded_responses(WHOLE, [FOCUS], [finger], **sampling))[0]
+    load = replace(effect("finger_load"), impedance=impedance)
+    got = run(screen(LOSSY, PATCHES, ONE_BIT, load, outputs=("t_s", "focus_displacement_m"), accuracy=1e-3))
+    course, at = around_focus(got, got["focus_displacement_m"], focus)
+    assert np.abs(course - expected[at]).max() < 1e-2 * np.abs(expected[focus])
+
+
+def test_contact_force_is_resistance_times_speed():
     outputs = ("t_s", "focus_displacement_m", "contact_displacement_m", "contact_force_n")
     got = run(screen(LOSSY, PATCHES, ONE_BIT, effect("finger_load"), outputs=outputs, accuracy=1e-3))
-    at_s = (np.arange(focus - 3000, focus + 900) - focus) / 960e3
-    course = np.interp(at_s, got["t_s"], got["focus_displacement_m"])
-    assert np.abs(course - expected[focus - 3000 : focus + 900]).max() < 1e-2 * np.abs(expected[focus])
     np.testing.assert_allclose(got["contact_displacement_m"][0], got["focus_displacement_m"], atol=1e-12)
     velocity = np.gradient(got["contact_displacement_m"][0], got["t_s"])
     np.testing.assert_allclose(got["contact_force_n"][0], 10.0 * velocity, atol=1e-2 * 10.0 * np.abs(velocity).max())
 
 
-def test_finger_of_tissue_matches_loaded_responses(fine):
-    whole, signal, focus = fine
-    finger = Fingertip(impedance="tissue").contact((0.05, 0.04), 2.0)
-    sampling = {"rate_hz": 960e3, "duration_s": 12e-3, "f_max_hz": 400e3}
-    expected = emitted(signal, loaded_responses(whole, [(0.05, 0.04)], [finger], **sampling))[0]
-    tissue = replace(effect("finger_load"), impedance="tissue")
-    got = run(screen(LOSSY, PATCHES, ONE_BIT, tissue, outputs=("t_s", "focus_displacement_m"), accuracy=1e-3))
-    at_s = (np.arange(focus - 3000, focus + 900) - focus) / 960e3
-    course = np.interp(at_s, got["t_s"], got["focus_displacement_m"])
-    assert np.abs(course - expected[focus - 3000 : focus + 900]).max() < 1e-2 * np.abs(expected[focus])
-
-
 def test_lift_off_matches_time_domain_solution(fine):
-    whole, signal, focus = fine
-    responses = impulse_responses(whole, [(0.05, 0.04)], rate_hz=960e3, duration_s=12e-3, f_max_hz=120e3)
+    signal, focus = fine
+    responses = impulse_responses(WHOLE, [FOCUS], rate_hz=RATE_HZ, duration_s=12e-3, f_max_hz=120e3)
     free_m = emitted(signal, responses)[0]
-    expected = one_sided_contact(whole, (0.05, 0.04), free_m, 960e3, 120e3, 0.05)
+    expected = one_sided_contact(WHOLE, FOCUS, free_m, RATE_HZ, 120e3, 0.05)
     thrown = (LOSSY, PATCHES, ONE_BIT, effect("finger_load"), effect("lift_off"))
     outputs = ("t_s", "contact_displacement_m", "contact_lost_s")
     got = run(replace(screen(*thrown, outputs=outputs, accuracy=1e-3), contacts=(FingerContact(0.05),)))
-    at_s = (np.arange(focus - 3000, focus + 900) - focus) / 960e3
-    course = np.interp(at_s, got["t_s"], got["contact_displacement_m"][0])
-    within = slice(focus - 3000, focus + 900)
-    assert course == pytest.approx(expected.displacement_m[within], abs=5e-3 * np.abs(free_m).max())
-    assert got["contact_lost_s"] == pytest.approx([expected.apart.sum() / 960e3], rel=0.1)
+    course, at = around_focus(got, got["contact_displacement_m"][0], focus)
+    assert course == pytest.approx(expected.displacement_m[at], abs=5e-3 * np.abs(free_m).max())
+    assert got["contact_lost_s"] == pytest.approx([expected.apart.sum() / RATE_HZ], rel=0.1)
 
 
 @pytest.mark.parametrize("voltage_v", [0.0, -30.0])
@@ -165,17 +162,6 @@ def test_movie_has_eight_frames_per_shortest_period(f_max_hz):
 
 
 # --- off costs nothing
-
-
-PLAIN = ("t_s", "focus_displacement_m")
-
-
-@pytest.mark.parametrize("kind", ["airborne_sound", "drive_energy", "focus_detection", "movie"])
-def test_unneeded_effect_changes_no_stages(kind):
-    needs = [effect(name) for name in TIME_REVERSAL.get(kind, ({}, (), ""))[1]]
-    with_it = screen(effect(kind), *needs, outputs=PLAIN)
-    assert with_it.resolve().stages == screen(*needs, outputs=PLAIN).resolve().stages
-    assert kind in {each.kind for each in with_it.off()}
 
 
 @pytest.mark.parametrize("kind", sorted(TIME_REVERSAL))
@@ -240,17 +226,11 @@ def test_random_scenes_keep_their_accuracy(scene):
         scene = replace(scene, outputs=scene.outputs[:-1])
     finest = finer(scene) if SOAK else finest_of(scene, 1e-4, 3e-4)
     reference = run(finest)
-    for accuracy in ACCURACIES if SOAK else ACCURACIES[:3]:
-        asked = replace(scene, accuracy=accuracy)
-        reason = refusal(asked)
-        if reason:
-            assert accuracy < 1e-3, reason
-            assert "loosen the accuracy" in reason
-            continue
-        got, predicted = run(asked), asked.resolve().error
+    for requested in accepted(scene, ACCURACIES if SOAK else ACCURACIES[:3]):
+        got, predicted = run(requested), requested.resolve().error
         for output in scene.outputs[1:]:
             true = error_of(got, reference, output)
-            assert true <= accuracy
+            assert true <= requested.accuracy
             assert true <= predicted + finest.accuracy
 
 
@@ -262,8 +242,8 @@ def test_focus_near_patch_meets_accuracy(n, aside_m):
     scene = Scene(surface, (LOSSY, PATCHES), ("t_s", "focus_displacement_m"), 0.01)
     reference = run(finer(scene))
     for accuracy in ACCURACIES:
-        asked = replace(scene, accuracy=accuracy)
-        assert error_of(run(asked), reference, "focus_displacement_m") <= asked.resolve().error <= accuracy
+        requested = replace(scene, accuracy=accuracy)
+        assert error_of(run(requested), reference, "focus_displacement_m") <= requested.resolve().error <= accuracy
 
 
 # --- order
@@ -302,3 +282,138 @@ def test_loaded_motion_stays_within_its_memory_limit():
     finally:
         tracemalloc.stop()
     assert peak_bytes <= 36 * n_numbers
+
+
+# --- lift-off
+
+DRIVE = (LOSSY, effect("patches", side_m=8e-3), effect("one_bit"))
+COURSES = ("t_s", "focus_displacement_m", "contact_displacement_m", "contact_force_n")
+LIGHT = (FingerContact(0.05),)
+"""Without contact for 1 % of the time."""
+
+
+def touched(*more, contacts=LIGHT, outputs=(*COURSES, "contact_lost_s"), accuracy=1e-2):
+    return replace(screen(*DRIVE, effect("finger_load"), *more, outputs=outputs, accuracy=accuracy), contacts=contacts)
+
+
+def test_finger_in_contact_matches_linear_contact():
+    firm = (FingerContact(2.0),)
+    opened, linear = (
+        run(replace(touched(*more, contacts=firm, outputs=COURSES), settings={"sampling": {"factor": 8}}))
+        for more in ((effect("lift_off"),), ())
+    )
+    for name in COURSES:
+        assert opened[name] == pytest.approx(linear[name], abs=1e-2 * np.abs(linear[name]).max())
+    assert run(touched(effect("lift_off"), contacts=firm, outputs=("contact_lost_s",)))["contact_lost_s"] == 0
+
+
+def test_lift_off_limits_pull_to_static_force():
+    opened, linear = run(touched(effect("lift_off"))), run(touched(outputs=COURSES))
+    assert linear["contact_force_n"].min() < -0.06
+    assert opened["contact_force_n"].min() == pytest.approx(-0.05, rel=1e-12)
+    assert opened["contact_lost_s"] > 0
+
+
+def test_lift_off_error_is_within_predicted_error():
+    for force_n in (0.05, 2.0):
+        scene = touched(effect("lift_off"), contacts=(FingerContact(force_n),), outputs=COURSES[:3], accuracy=3e-3)
+        plan = scene.resolve()
+        (stage,) = (stage for stage in plan.stages if stage.name == "lift_off")
+        finest = replace(scene, settings={"lift_off": {"finer": 16 * stage.settings["finer"]}})
+        got, true = plan.run({"voltage_v": 30.0}), run(finest)
+        for name in COURSES[1:3]:
+            assert np.abs(got[name] - true[name]).max() <= stage.error * np.abs(true[name]).max()
+
+
+def test_two_fingers_in_contact_match_linear_loads():
+    whole = screen(*DRIVE).surface.plate
+    places, rate_hz, band = [(0.05, 0.04), (0.09, 0.06)], 400e3, 8e3
+    sampling = {"rate_hz": rate_hz, "duration_s": 3e-3, "f_max_hz": band}
+    struck = Screen(whole, (PointForce(0.08, 0.03),), Attenuation(2e-3))
+    loads = [Fingertip().load(place, 2.0) for place in places]
+    free_m = impulse_responses(struck, places, **sampling).samples[:, 0]
+    expected = loaded_responses(struck, places, loads, **sampling).samples[:, 0]
+    found = one_sided_contacts(struck, free_m, loads, np.array([2.0, 2.0]), rate_hz, band)
+    assert not found.apart.any()
+    assert found.displacement_m == pytest.approx(expected, abs=5e-3 * np.abs(expected).max())
+
+
+def test_light_finger_lifts_off_next_to_firm_finger():
+    contacts = (FingerContact(0.05), FingerContact(2.0, x_m=0.09, y_m=0.06))
+    got = run(touched(effect("lift_off"), contacts=contacts))
+    light_s, firm_s = got["contact_lost_s"]
+    assert light_s > 0 == firm_s
+
+
+def test_no_voltage_throws_nothing_off():
+    got = touched(effect("lift_off")).resolve().run({"voltage_v": 0.0})
+    assert not any(np.any(got[name]) for name in (*COURSES[1:], "contact_lost_s"))
+
+
+# --- the accuracy of each effect and of quantised spectra
+
+OF_EFFECTS = {
+    "foci": ("peaks_m",),
+    "repetition": ("t_s", "focus_displacement_m"),
+    "temperature_drift": ("t_s", "focus_displacement_m"),
+    "amplifier": ("t_s", "focus_displacement_m"),
+    "shear": ("t_s", "focus_displacement_m"),
+}
+
+
+def error_of_peaks(got, reference, output):
+    return abs(got[output] - reference[output]).max() / abs(reference[output]).max()
+
+
+@pytest.mark.parametrize("kind", sorted(OF_EFFECTS))
+def test_an_effect_keeps_the_accuracy(kind):
+    scene = screen(LOSSY, *tuned(kind), outputs=OF_EFFECTS[kind])
+    error = error_of_peaks if kind == "foci" else error_of
+    reference = run(finer(scene))
+    for accuracy in (1e-2, 1e-3, 1e-4):
+        requested = replace(scene, accuracy=accuracy)
+        assert kind in {stage.effect for stage in requested.resolve().stages}
+        assert error(run(requested), reference, OF_EFFECTS[kind][-1]) <= requested.resolve().error <= accuracy
+
+
+COURSE = ("t_s", "focus_displacement_m")
+QUANTISERS = (
+    effect("one_bit"), effect("sigma_delta", order=1), effect("sigma_delta", order=2),
+    effect("pulse_width", carrier_hz=15e3),
+)  # fmt: skip
+
+
+@st.composite
+def quantised(draw):
+    scene = draw(screens(COURSE))
+    others = tuple(each for each in scene.effects if each.slot != "quantiser")
+    return replace(scene, effects=(draw(st.sampled_from(QUANTISERS)), *others))
+
+
+def spectrum(got, n_lines):
+    """Return the first lines of the course at the focus.
+
+    Its duration does not depend on the sampling.
+    """
+    course = got["focus_displacement_m"][:-1]
+    return np.fft.rfft(course)[:n_lines] / course.size
+
+
+@given(quantised())
+@settings(max_examples=100 if SOAK else 5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_quantised_spectrum_meets_accuracy_or_is_refused(scene):
+    """Relative to its highest line."""
+    finest = finest_of(scene, *((3e-5, 1e-4) if SOAK else ()), 3e-4, 9e-4)
+    found = run(finest)
+    n_lines = round(scene.surface.f_max_hz * (found["t_s"][-1] - found["t_s"][0]))
+    reference = spectrum(found, n_lines)
+    for requested in accepted(scene, (1e-1, 1e-2, 1e-3, 1e-4) if SOAK else (1e-1, 1e-2, 1e-3)):
+        off = np.abs(spectrum(run(requested), n_lines) - reference).max() / np.abs(reference).max()
+        assert off <= requested.accuracy + finest.accuracy
+
+
+@pytest.mark.parametrize("quantiser", QUANTISERS, ids=lambda each: each.kind)
+def test_quantised_drive_is_refused_at_unreachable_accuracy(quantiser):
+    scene = screen(LOSSY, quantiser, outputs=COURSE, accuracy=1e-12)
+    assert "error budget of" in refusal(scene)
+    assert "loosen the accuracy" in refusal(scene)

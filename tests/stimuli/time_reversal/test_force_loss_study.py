@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.protocols.tasks.measurement import Measurement, level_of
@@ -36,7 +35,7 @@ def drive(setup=SMALL):
     return FocusTrain(setup, f_max_hz=20e3, voltage_max_v=2e3).at(20.0)
 
 
-def asked(task, answers):
+def requests_of(task, answers):
     """The requests of a trial that gets these answers, and its outcome."""
     trial = task.trial(Presentation("focus", 20.0, TOUCH), np.random.default_rng(0))
     requests = [next(trial)]
@@ -49,7 +48,7 @@ def asked(task, answers):
 
 
 def test_measurement_requests_press_then_reading():
-    requests, outcome = asked(Measurement(), [Touched(0.0, 20.0, "x"), Rated(6900.0, 1.0, 0.5)])
+    requests, outcome = requests_of(Measurement(), [Touched(0.0, 20.0, "x"), Rated(6900.0, 1.0, 0.5)])
     assert [type(request) for request in requests] == [Press, Enter]
     (reply,) = outcome.replies
     assert outcome.valid
@@ -58,7 +57,7 @@ def test_measurement_requests_press_then_reading():
 
 
 def test_measurement_is_invalid_when_contact_slips():
-    requests, outcome = asked(Measurement(), [Touched(0.0, 20.0, "x", valid=False)])
+    requests, outcome = requests_of(Measurement(), [Touched(0.0, 20.0, "x", valid=False)])
     assert len(requests) == 1
     assert not outcome.valid
 
@@ -88,15 +87,6 @@ def test_a_finger_at_the_focus_reads_what_it_feels():
     free = displacement_at_focus_m(SMALL, drive(), [])
     under = loaded_displacements(free[None], SMALL, [finger])[0]
     assert displacement_at_focus_m(SMALL, drive(), [finger]) == pytest.approx(under, abs=1e-9 * np.abs(free).max())
-
-
-def test_bad_readings_are_refused():
-    with pytest.raises(InvalidParameter, match=r"FocusReading.contactor: found 'hand'"):
-        FocusReading(SMALL, contactor="hand")
-    with pytest.raises(InvalidParameter, match=r"expected a point of the plate"):
-        FocusReading(SMALL, x_m=-0.1)
-    with pytest.raises(InvalidParameter, match=r"Contactor.diameter_m"):
-        FocusReading(SMALL, contactor="soft", diameter_m=0.0)
 
 
 @pytest.fixture(scope="module")

@@ -169,30 +169,6 @@ def screen(tau_s: float = 3e-3) -> Screen:
 SAMPLING = {"rate_hz": 60e3, "duration_s": 4e-3, "f_max_hz": 10e3}
 
 
-def test_loaded_responses_match_fine_time_stepping():
-    """A damper of 10 N s/m, against exact modes stepped at 100 times the rate with the force of the step
-    before.
-    """
-    from tactometry.stimuli.time_reversal.plate.modes import values
-    from tactometry.stimuli.time_reversal.plate.propagator import transition
-
-    one = Screen(A4_SCREEN, (PointForce(0.05, 0.06),), Attenuation(3e-3))
-    at = (0.2, 0.13)
-    found = loaded_responses(one, [FOCUS], [PlateLoad(*at, 10.0)], rate_hz=60e3, duration_s=2e-3, f_max_hz=4e3)
-    modes, oscillators = one.modes(4e3), one.oscillators(4e3)
-    fine = 6e6
-    step = transition(oscillators, 1 / fine)
-    source, contact, focus = (values(modes, *p)[:, 0] for p in ((0.05, 0.06), at, FOCUS))
-    q, v = np.zeros(oscillators.n), source / A4_SCREEN.mass_kg / 60e3
-    kept = []
-    for k in range(120 * 100):
-        if k % 100 == 0:
-            kept.append(focus @ q)
-        v = v - contact * (10.0 * (contact @ v)) / A4_SCREEN.mass_kg / fine
-        q, v = step[:, 0, 0] * q + step[:, 0, 1] * v, step[:, 1, 0] * q + step[:, 1, 1] * v
-    assert np.abs(found.samples[0, 0] - kept).max() < 2e-3 * np.abs(kept).max()
-
-
 def test_loaded_responses_are_causal_and_regular_without_attenuation():
     free = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 4)), Attenuation(math.inf))
     h = loaded_responses(free, [FOCUS], [PlateLoad(0.2, 0.13, 30.0)], **SAMPLING).samples
@@ -326,19 +302,11 @@ def test_contour_leaves_no_wrap_around():
     assert growth[-1] < 1e4 * (1 + 1e-9)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: PlateLoad(0.1, 0.1, -1.0), "PlateLoad.resistance_n_s_per_m: found -1.0"),
-        (lambda: Fingertip().load((0.1, 0.1), -2.0), "Fingertip.load.force_n: found -2.0"),
-        (lambda: Contactor("wet"), "Contactor.kind: found 'wet', expected one of finger, soft, rigid"),
-        (
-            lambda: loaded_responses(screen(), [FOCUS], [PlateLoad(1.0, 0.1)], **SAMPLING),
-            "PlateLoad: found (1.0, 0.1) m",
-        ),
-    ],
-)
-def test_bad_input_is_refused_in_one_sentence(call, message):
-    with pytest.raises(InvalidParameter) as caught:
-        call()
-    assert str(caught.value).startswith(message)
+def test_finger_without_force_causes_no_loss():
+    assert amplitude_loss(screen(), FOCUS, [Fingertip().load(FOCUS, 0.0)], EMISSION) == 0.0
+
+
+def test_plate_is_still_below_its_first_mode():
+    sampling = {"rate_hz": 2e3, "duration_s": 5e-3, "f_max_hz": 1.0}
+    found = loaded_responses(screen(), [FOCUS], [PlateLoad(*FOCUS, 10.0)], **sampling)
+    assert not found.samples.any()

@@ -7,7 +7,6 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.design.closed_forms import resolution_m
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.merit import (
@@ -18,14 +17,12 @@ from tactometry.stimuli.time_reversal.focusing.merit import (
     contributions_m,
     dielectric_power_w,
     modal_amplitudes,
-    resolution_per_focus_m,
     switched_power_w,
     temporal_width_s,
     uniformity,
     width_m,
 )
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.focusing.sound import (
     NoiseSpectrum,
@@ -36,7 +33,7 @@ from tactometry.stimuli.time_reversal.focusing.sound import (
     velocity_spectrum,
 )
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses, inaudible
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses, inaudible
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce, capacitance_f
@@ -55,12 +52,9 @@ def test_widths_of_a_gaussian():
     assert width_m(X, line, math.sqrt(0.5)) == pytest.approx(2 * SIGMA * math.sqrt(math.log(2)), rel=1e-3)
 
 
-def test_area_of_a_gaussian_counts_one_island():
-    field = gaussian_field()
-    field[:20, :20] = field.min()
+def test_area_of_a_gaussian_matches_closed_form():
     expected = math.pi * 2 * SIGMA**2 * math.log(2)
     assert area_m2(gaussian_field(), (X, X)) == pytest.approx(expected, rel=0.02)
-    assert area_m2(field, (X, X)) <= expected * 1.02 + 400 * (X[1] - X[0]) ** 2
 
 
 def test_area_counts_connected_cells_only():
@@ -74,12 +68,6 @@ def test_area_counts_connected_cells_only():
 def test_contrast_of_a_negative_focus_is_positive():
     field = np.array([[3.0, -4.0]])
     assert contrast_whole_of(-10.0, field) == pytest.approx(10 / math.sqrt(12.5))
-
-
-def test_contrasts_of_a_known_field():
-    field = np.full((401, 401), 0.5)
-    field[200, 200] = 10.0
-    assert contrast_whole_of(10.0, field) == pytest.approx(20.0, rel=0.01)
 
 
 def test_temporal_width_of_a_gated_tone():
@@ -114,14 +102,6 @@ def test_sine_dielectric_loss_is_independent_of_rate(rate_hz):
     """Heat of pi / 4 f C Upp^2 tan(delta), as makers of actuators give it for a sine of Upp."""
     expected = math.pi / 4 * 5e3 * 5e-9 * 60.0**2 * 0.017
     assert dielectric_power_w(sine(rate_hz), 5e-9, 0.017) == pytest.approx(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("rate_hz", [50e3, 100e3, 200e3, 400e3])
-def test_square_wave_power_is_independent_of_rate(rate_hz):
-    square = Signal(
-        np.where((np.arange(round(rate_hz * 20e-3)) * 5e3 / rate_hz) % 1 < 0.5, 30.0, -30.0)[None], rate_hz, "V"
-    )
-    assert switched_power_w(square, 5e-9) == pytest.approx(5e-9 * 60.0**2 * 5e3, rel=0.01)
 
 
 def test_dielectric_loss_is_the_integral_of_in_phase_current():
@@ -245,45 +225,6 @@ def test_sound_is_the_radiated_power_over_a_hemisphere():
     )
 
 
-def test_filtering_lowers_a_weighted_level():
-    raw = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=250e3, duration_s=4e-3, f_max_hz=60e3)
-    plain = band_limited(raw, Band(200.0, 60e3))
-    level = {
-        name: noise(A4_PROTOTYPE, drive(h, 30.0, q), 60e3).a_weighted_db
-        for name, h, q in (
-            ("1 bit", plain, OneBit()),
-            ("1 bit filtered", inaudible(plain), OneBit()),
-            ("analogue filtered", inaudible(plain), Analogue()),
-        )
-    }
-    assert level["1 bit"] - level["1 bit filtered"] > 5
-    assert level["1 bit filtered"] > level["analogue filtered"]
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: width_m(X, np.ones(401)), "profile: found no point below 0.5"),
-        (lambda: contrast_whole_of(1.0, np.zeros(4)), "field: found zero everywhere"),
-        (lambda: uniformity(np.zeros(3)), "amplitudes_m: found 3 values"),
-        (
-            lambda: noise(
-                Screen(A4_SCREEN, (PointForce(0.1, 0.1),), Attenuation(math.inf)),
-                Signal(np.ones((1, 9)), 1e4, "V"),
-                2e3,
-            ),
-            "Screen.attenuation.tau_s: found inf",
-        ),
-        (lambda: switched_power_w(Signal(np.ones((1, 1)), 1e3, "V"), 1e-9), "signal: found fewer than two samples"),
-        (lambda: dielectric_power_w(Signal(np.ones((1, 1)), 1e3, "V"), 1e-9), "signal: found fewer than two samples"),
-    ],
-)
-def test_bad_input_is_refused_in_one_sentence(call, message):
-    with pytest.raises(InvalidParameter) as caught:
-        call()
-    assert str(caught.value).startswith(message)
-
-
 SMALL = Emission(Band(500.0, 12e3), 4e-3, 50e3)
 FOCI = [(x, 0.045) for x in (0.05, 0.1, 0.15, 0.2)]
 
@@ -315,9 +256,3 @@ def test_subsets():
     assert list(found["ends"]) == [2.0, 8.0]
     with pytest.raises(InvalidParameter, match=r"subsets\['none'\]: found \[3\], expected channels from 0 to 2"):
         amplitude_by_subset_m(contributions, {"none": [3]})
-
-
-def test_resolution_of_every_focus_is_near_the_model():
-    widths = resolution_per_focus_m(A4_PROTOTYPE, FOCI[:4], SMALL)
-    assert widths.shape == (4, 2)
-    assert np.mean(widths) == pytest.approx(resolution_m(A4_SCREEN, SMALL.band), rel=0.2)

@@ -115,36 +115,3 @@ def test_switched_supply_makes_simultaneous_foci():
     instant = round(stimulus.emission_s * SETUP.rate_hz) - 1
     amplitudes_m = [heard(at_m, signal)[instant] for at_m in stimulus.places_made_m]
     assert np.mean(amplitudes_m) == pytest.approx(1e-5, rel=0.02)
-
-
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"place": "ring"}, "PlacedFoci.place: found 'ring', expected one of index, middle, thumb"),
-        ({"place": "index+index"}, r"PlacedFoci.place\[1\]: found 'index' twice, expected each place once"),
-        ({"places": {**PLACES, "far": Place(0.5)}},
-         r"PlacedFoci.places.far: found \(0.5, 0.093\) m, expected a point of the plate of 0.297 x 0.21 m"),
-        ({"places": {**PLACES, "same": Place(0.12, 0.093)}},
-         r"PlacedFoci.places.same: found the point of middle, \(0.12, 0.093\) m, expected a different point"),
-        ({"places": {**PLACES, "far": 0.2}}, "PlacedFoci.places.far: found 0.2, expected a Place"),
-        ({"places": {"index": Place()}}, "PlacedFoci.places: found 1 of them, expected at least two"),
-        ({"places": {**PLACES, "a+b": Place(0.2)}}, r"PlacedFoci.places: found 'a\+b', expected a name on one line"),
-    ],
-)  # fmt: skip
-def test_invalid_places_are_refused(keys, said):
-    with pytest.raises(InvalidParameter, match=said):
-        replace(foci("index"), **keys)
-
-
-@pytest.mark.parametrize(
-    ("fingers", "said"),
-    [
-        (("index", "index"), "found 'index' twice, expected each place once, as two fingers do not fit there"),
-        (("ring",), "found 'ring', expected one of index, middle, near"),
-        (("index", "near"), "found index and near 5 mm apart, expected at least the 10 mm of a fingertip"),
-    ],
-)
-def test_invalid_finger_placement_is_refused(fingers, said):
-    places = {"index": Place(0.10), "middle": Place(0.12), "near": Place(0.105)}
-    with pytest.raises(InvalidParameter, match=said):
-        FingersSensation(SETUP, places, fingers)

@@ -9,12 +9,10 @@ from hypothesis import given, settings, strategies as st
 from scipy.special import j1
 from soak import SOAK
 
-from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import laplacians, modes_of, values
-from tactometry.stimuli.time_reversal.responses.load import Receptances
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses, samples_in
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
@@ -40,47 +38,27 @@ def test_reciprocity(boundary, quantity):
     assert there.samples == pytest.approx(back.samples, rel=1e-12, abs=1e-14 * np.abs(there.samples).max())
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=200 if SOAK else 20, deadline=None)
 @given(
+    boundary=st.just("SSSS") | st.text("SCF", min_size=4, max_size=4),
     aspect=st.floats(1.0, 20.0),
     thickness_m=st.floats(1e-4, 1e-2),
     glass=st.tuples(st.floats(60e9, 75e9), st.floats(0.15, 0.3)),
     x=st.floats(0.0, 1.0),
     y=st.floats(0.0, 1.0),
     tau_s=st.floats(1e-6, 1.0),
-    n_modes=st.integers(1, 60),
+    n_modes=st.integers(1, 20),
 )
-def test_any_plate_is_finite_reciprocal_and_causal(aspect, thickness_m, glass, x, y, tau_s, n_modes):
-    plate = Plate(0.3, 0.3 / aspect, thickness_m, *glass, 2300.0, "SSSS")
+def test_any_plate_and_edges_are_reciprocal_and_causal(boundary, aspect, thickness_m, glass, x, y, tau_s, n_modes):
+    plate = Plate(0.3, 0.3 / aspect, thickness_m, *glass, 2400.0, boundary)
     p, q = (x * plate.length_m, y * plate.width_m), (0.4 * plate.length_m, 0.7 * plate.width_m)
-    f_max = float(plate.frequencies_hz((n_modes + 5 * aspect**2) / plate.modal_density_s)[-1])
-    check_reciprocal_and_causal(plate, p, q, tau_s, f_max, 200)
-
-
-def check_reciprocal_and_causal(plate, p, q, tau_s, f_max_hz, n_periods):
-    timing = {"rate_hz": 2.5 * f_max_hz, "duration_s": n_periods / f_max_hz, "f_max_hz": f_max_hz}
+    f_max = (n_modes + 2 * aspect) / plate.modal_density_s
+    timing = {"rate_hz": 2.5 * f_max, "duration_s": 100 / f_max, "f_max_hz": f_max}
     there = impulse_responses(point_screen(plate, p, tau_s=tau_s), [q], **timing).samples[0, 0]
     back = impulse_responses(point_screen(plate, q, tau_s=tau_s), [p], **timing).samples[0, 0]
     assert np.isfinite(there).all()
     assert np.abs(there - back).max() <= 1e-12 * np.abs(there).max()
     assert abs(there[0]) <= 1e-12 * np.abs(there).max()
-
-
-@settings(max_examples=200 if SOAK else 12, deadline=None)
-@given(
-    boundary=st.text("SCF", min_size=4, max_size=4),
-    aspect=st.floats(1.0, 20.0),
-    thickness_m=st.floats(1e-4, 1e-2),
-    x=st.floats(0.0, 1.0),
-    y=st.floats(0.0, 1.0),
-    tau_s=st.floats(1e-6, 1.0),
-    n_modes=st.integers(1, 20),
-)
-def test_any_plate_and_edges_are_reciprocal_and_causal(boundary, aspect, thickness_m, x, y, tau_s, n_modes):
-    plate = Plate(0.3, 0.3 / aspect, thickness_m, 70e9, 0.22, 2400.0, boundary)
-    p, q = (x * plate.length_m, y * plate.width_m), (0.4 * plate.length_m, 0.7 * plate.width_m)
-    f_max = (n_modes + 2 * aspect) / plate.modal_density_s
-    check_reciprocal_and_causal(plate, p, q, tau_s, f_max, 100)
     frequencies = plate.frequencies_hz(f_max)
     n_rigid = {0: 3, 1: 1}.get(4 - boundary.count("F"), 0) if boundary.count("C") == 0 else 0
     assert np.count_nonzero(frequencies == 0) == n_rigid
@@ -107,59 +85,10 @@ def test_energy_balance_of_an_impulse():
     assert stored + lost == pytest.approx(put_in, rel=1e-10)
 
 
-def test_parseval_between_the_time_and_the_frequency_solution():
-    """The integral of h^2 over time is that of |H|^2 over frequency: oscillators against receptances, to 1e-11."""
-    from scipy.integrate import quad
-
-    plate, f_max = A4_SCREEN, 500.0
-    screen = point_screen(plate, (0.06, 0.05), tau_s=2e-2)
-    oscillators = screen.oscillators(f_max)
-    to, of = (values(screen.modes(f_max), *place) for place in ((0.2, 0.1), (0.06, 0.05)))
-
-    def power(frequency_hz: float) -> float:
-        receptances = Receptances.of(oscillators, plate.mass_kg, np.array([2j * math.pi * frequency_hz]))
-        return float(abs(receptances.between(to, of)[0, 0, 0]) ** 2)
-
-    peaks_hz = list(screen.modes(f_max).frequency_hz)
-    inside = quad(power, 0, 2e3, points=peaks_hz, limit=2000, epsabs=0, epsrel=1e-12)[0]
-    outside = quad(power, 2e3, math.inf, epsabs=0, epsrel=1e-12)[0]
-    nodes, weights = np.polynomial.legendre.leggauss(16)
-    edges = np.linspace(0, 0.4, 401)
-    half = (edges[1] - edges[0]) / 2
-    times = (((edges[1:] + edges[:-1]) / 2)[:, None] + half * nodes).ravel()
-    h = (to * of)[:, 0] @ oscillators.impulse_at(times) / plate.mass_kg
-    assert h**2 @ np.tile(weights * half, 400) == pytest.approx(2 * (inside + outside), rel=1e-11)
-
-
-def test_no_loss_never_decays():
-    screen = point_screen(A4_SCREEN, (0.08, 0.13), tau_s=math.inf)
-    h = impulse_responses(screen, [(0.2, 0.1)], rate_hz=50e3, duration_s=0.4, f_max_hz=10e3).samples[0, 0]
-    assert np.std(h[-5000:]) == pytest.approx(np.std(h[5000:10000]), rel=0.2)
-
-
-def test_tau_of_a_microsecond_is_overdamped_and_finite():
-    screen = point_screen(A4_SCREEN, (0.08, 0.13), tau_s=1e-6)
-    h = impulse_responses(screen, [(0.08, 0.13)], rate_hz=250e3, duration_s=1e-2, f_max_hz=60e3).samples[0, 0]
-    assert np.isfinite(h).all()
-    assert np.all(h >= 0), "a plate in treacle does not swing"
-
-
-@pytest.mark.parametrize("duration_s", [0.0, 1 / 50e3])
-def test_zero_and_one_sample(duration_s):
-    h = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=50e3, duration_s=duration_s, f_max_hz=10e3)
-    assert h.n_samples == round(duration_s * 50e3)
-
-
 @pytest.mark.parametrize("place", [(0.0, 0.1), (0.297, 0.21), (0.1485, 0.21)])
 def test_edge_and_corner_of_a_supported_plate_do_not_move(place):
     h = impulse_responses(A4_PROTOTYPE, [place], **FAST).samples
     assert np.abs(h).max() == 0.0
-
-
-def test_node_line_silences_the_modes_that_share_it():
-    modes = modes_of(A4_SCREEN, 10e3)
-    on_the_line = values(modes, 0.297 / 2, 0.06)[:, 0]
-    assert np.abs(on_the_line[modes.m % 2 == 0]).max() < 1e-12
 
 
 def test_patch_force_is_the_integral_of_the_laplacian():
@@ -181,23 +110,6 @@ def test_disc_on_a_supported_plate_is_the_bessel_closed_form():
     expected = k**2 * centre * math.pi * radius**2 * 2 * j1(k * radius) / (k * radius)
     found = DiscPatch(0.1, 0.08, 35e-3, 1.0).modal_force(modes)
     assert found == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
-
-
-def test_small_patch_is_a_disc_of_the_same_area():
-    modes = modes_of(A4_SCREEN, 10e3)
-    square = Patch(0.1, 0.08, 1e-4, 1e-4, 1.0).modal_force(modes)
-    disc = DiscPatch(0.1, 0.08, 2e-4 / math.sqrt(math.pi), 1.0).modal_force(modes)
-    assert square == pytest.approx(disc, rel=1e-5, abs=1e-6 * np.abs(disc).max())
-
-
-def test_patch_spectrum_is_flat_unlike_point_force():
-    modes = modes_of(A4_SCREEN, 50e3)
-    omega = modes.angular_frequency_rad_per_s
-    patch = Patch(0.1, 0.08, 2e-3, 2e-3, 1.0).modal_force(modes) / omega
-    point = PointForce(0.1, 0.08).modal_force(modes) / omega
-    low, high = modes.frequency_hz < 5e3, modes.frequency_hz > 40e3
-    assert np.std(patch[high]) / np.std(patch[low]) == pytest.approx(1.0, abs=0.25)
-    assert np.std(point[high]) / np.std(point[low]) < 0.25
 
 
 def test_transducer_as_large_as_the_plate_is_the_exact_integral():
@@ -243,33 +155,6 @@ def test_frequency_dependent_attenuation_shortens_the_high_notes():
     assert loss.rate_per_s(np.array([10e3, 40e3])) * 3e-3 == pytest.approx([1.0, 2.0])
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: impulse_responses(A4_PROTOTYPE, [(0.4, 0.1)], **FAST),
-         "points[0]: found (0.4, 0.1) m, expected a point"),
-        (lambda: impulse_responses(A4_PROTOTYPE, [], **FAST), "points: found none"),
-        (lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **{**FAST, "f_max_hz": 25.1e3}),
-         "f_max_hz: found 25100.0, above the Nyquist frequency 25000.0"),
-        (lambda: samples_in("duration_s", 1e9, 1e3), "duration_s: found 1000000000.0 s at 1000.0 Hz, expected at most"),
-        (lambda: Screen(A4_SCREEN, (), Attenuation(1e-3)), "Screen.sources: found none"),
-        (lambda: Screen(A4_SCREEN, (Patch(0.0, 0.1, 0.01, 0.01),), Attenuation(1e-3)),
-         "Screen.sources[0]: found a transducer"),
-        (lambda: Attenuation(0.0), "Attenuation.tau_s: found 0.0"),
-        (lambda: border(A4_SCREEN, 0), "border.n_transducers: found 0, expected a whole number, at least 1"),
-        (lambda: Responses(np.zeros((1, 0, 3)), 1e3), "Responses.samples: found shape (1, 0, 3)"),
-        (lambda: Responses(np.zeros((1, 1, 3)), 1e3, "jerk"), "Responses.quantity: found 'jerk', expected one of"),
-        (lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=0.0, duration_s=1.0, f_max_hz=1.0),
-         "sampling.rate_hz: found 0.0"),
-    ],
-)  # fmt: skip
-def test_bad_input_is_refused_in_one_sentence(call, message):
-    with pytest.raises(InvalidParameter) as caught:
-        call()
-    assert str(caught.value).startswith(message)
-    assert "\n" not in str(caught.value)
-
-
 STATIC_SCREEN = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 4)), Attenuation(3.5e-3))
 STATIC_POINTS = [(0.1, 0.08), (0.2, 0.15)]
 
@@ -304,7 +189,7 @@ def test_the_static_residual_is_on_sample_0_alone():
     assert not change[..., 1:].any()
 
 
-@pytest.mark.parametrize("keywords", [{"static_to_hz": 5e3}, {"static_to_hz": 1e5, "quantity": "velocity"}])
-def test_invalid_static_residual_is_refused(keywords):
-    with pytest.raises(InvalidParameter, match=r"^static_to_hz: found"):
-        impulse_responses(STATIC_SCREEN, STATIC_POINTS, rate_hz=50e3, duration_s=1e-3, f_max_hz=1e4, **keywords)
+def test_screen_accepts_list_from_border():
+    from_list = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
+    assert from_list == Screen(A4_SCREEN, tuple(border(A4_SCREEN, 4)), Attenuation(3e-3))
+    assert from_list.modal_forces(500.0).shape[1] == 4

@@ -10,7 +10,7 @@ from scipy.signal import find_peaks
 
 from tactometry.config.strict import build
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.errors import LimitExceeded
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
@@ -53,10 +53,6 @@ def test_the_level_is_the_unloaded_amplitude_of_the_focus():
     drive = train(level_unit="m").at(7e-6)
     heard = emitted(drive, SMALL.responses_at(*SMALL.focus_m))[0]
     assert heard[drive.samples.shape[1] - 1] == pytest.approx(7e-6, rel=1e-12)
-
-
-def test_reference_focus_is_at_threshold_with_light_touch():
-    assert felt_db(20.0) == pytest.approx(0.0, abs=1e-3)
 
 
 @given(level=st.floats(-20, 30), higher_by=st.floats(-10, 10))
@@ -231,13 +227,6 @@ def test_events_are_timed_to_the_sample():
     assert peaks_m.tolist() == [1.0, 2.0]
 
 
-@given(st.lists(st.floats(1e-9, 1e-3), min_size=1, max_size=30), st.floats(100, 900))
-@settings(deadline=None)
-def test_train_amplitude_lies_between_largest_and_sum(peaks_m, repetition_hz):
-    times_s = np.arange(len(peaks_m)) / repetition_hz
-    assert max(peaks_m) <= felt_amplitude_m(times_s, peaks_m) <= sum(peaks_m) * (1 + 1e-12)
-
-
 NAMED = {"one_bit": OneBit(), "analogue": Analogue(), "sigma_delta_1": SigmaDelta(1), "sigma_delta_2": SigmaDelta(2)}
 
 
@@ -280,42 +269,12 @@ def test_stimulus_and_sensation_are_built_from_tables():
     assert build(TimeReversalSensation, {}, "sensation", setup=stimulus.setup) == TimeReversalSensation(SMALL)
 
 
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"f_max_hz": 30e3}, "FocusTrain.f_max_hz: found 30000.0, above the highest mode at 22000.0 Hz"),
-        ({"f_min_hz": 25e3}, "Band: found 25000.0 to 20000.0 Hz, which is empty"),
-        ({"reversal_s": 8e-3}, "FocusTrain.reversal_s: found 0.008, longer than the responses of 0.007 s"),
-        ({"reversal_s": -1.0}, "FocusTrain.reversal_s: found -1.0"),
-        ({"pattern": "P7"}, "FocusTrain.pattern: found 'P7', expected one of P0"),
-        ({"pattern": "P1", "duration_s": 0.04}, "FocusTrain.duration_s: found 0.04, shorter than the 0.05 s"),
-    ],
-)
-def test_invalid_train_is_refused_in_one_sentence(changes, sentence):
-    with pytest.raises(InvalidParameter) as caught:
-        train(**changes)
-    assert str(caught.value).startswith(sentence)
-
-
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"glass": "ice"}, "Setup.glass: found 'ice', expected one of Borofloat 33"),
-        ({"thickness_m": -1e-3}, "Plate.thickness_m: found -0.001"),
-        ({"n_transducers": 0}, "Setup.n_transducers: found 0"),
-        ({"boundary": "SSS"}, "Plate.boundary: found 'SSS'"),
-        ({"focus_x_m": 0.3}, "Setup.focus: found (0.3, 0.093) m, expected a point of the plate"),
-        ({"modes_to_hz": 30e3}, "Setup.modes_to_hz: found 30000.0, expected at most half of rate_hz, 25000.0"),
-    ],
-)
-def test_invalid_setup_is_refused_in_one_sentence(changes, sentence):
-    with pytest.raises(InvalidParameter) as caught:
-        replace(SMALL, **changes)
-    assert str(caught.value).startswith(sentence)
-
-
-def test_a_signal_of_another_screen_is_refused():
-    with pytest.raises(InvalidParameter, match=r"found 2 channels in 'V' at 50000 Hz, expected 8 in volt"):
-        felt_by(TimeReversalSensation(SMALL)).sensation_db(Signal(np.ones((2, 9)), 50e3, "V"), Contact(1.0))
-    with pytest.raises(InvalidParameter, match=r"found 8 channels in 'm' at 50000 Hz, expected 8 in volt"):
-        felt_by(TimeReversalSensation(SMALL)).sensation_db(Signal(np.ones((8, 9)), 50e3, "m"), Contact(1.0))
+def test_study_train_accepts_table_and_bursts():
+    setup = Setup(n_transducers=4, modes_to_hz=5e3, rate_hz=10e3, learnt_s=5e-3)
+    train = FocusTrain(
+        setup, f_max_hz=4e3, repetition_hz=100.0, train_s=0.03, envelope_table=(1.0, 0.2), modulation="burst"
+    )
+    assert train.foci.weights == pytest.approx([1.0, 0.6 / 0.8666667, 0.3333333 / 0.8666667])
+    on = [np.count_nonzero(part) for part in np.split(train.at(-20.0).samples[0], [100, 200])]
+    assert on == sorted(on, reverse=True)
+    assert len(set(np.abs(train.at(-20.0).samples[0]).round(9))) == 2

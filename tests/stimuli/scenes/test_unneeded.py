@@ -1,15 +1,10 @@
 """Effects that no output needs: they change no plan or result."""
 
-import json
-import os
-import subprocess
-import sys
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from places import ROOT
 from scene_cases import (
     ELECTROVIBRATION,
     LEVEL,
@@ -29,7 +24,6 @@ from scene_cases import (
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import names, path_of
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.explain import explanation
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
@@ -78,8 +72,6 @@ def scenes():
 
 SCENES = dict(scenes())
 EVERY = [(name, kind) for name, scene in SCENES.items() for kind in scene.surface.effects]
-
-
 MASKING = {
     ("time_reversal", "masking"): [effect("masking", level_db_re_threshold=25.0), effect("focus_detection")],
     ("hybrid", "cross_masking"): [
@@ -107,7 +99,7 @@ def pair(scene, kind):
     return (*company, *apart), (*company, *needs, mine)
 
 
-def asked(name, output, effects):
+def requested(name, output, effects):
     scene = SCENES[name]
     return replace(scene, outputs=(output,), settings={}, contacts=scene.contacts or RESTING, effects=effects)
 
@@ -115,7 +107,7 @@ def asked(name, output, effects):
 @cache
 def plan_if_had(name, output, effects):
     try:
-        return asked(name, output, effects).resolve()
+        return requested(name, output, effects).resolve()
     except InvalidParameter:
         return None
 
@@ -129,7 +121,7 @@ def unneeded(name, kind):
     for output in OUTPUTS[SCENES[name].surface.kind]:
         one = plan_if_had(name, output, without)
         if one is not None:
-            both = asked(name, output, with_it)
+            both = requested(name, output, with_it)
             if kind in {found.kind for found in both.off()}:
                 yield output, one, both.resolve()
 
@@ -169,57 +161,6 @@ def test_finger_pad_and_body_leave_expected_outputs_unchanged():
     assert body == ["t_s", "voltage_v"]
 
 
-# --- imports
-
-TONE = {"frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
-GLASS = {name: value for name, value in asdict(small_screen()).items() if name != "glass"}
-CASES = {**ELECTROVIBRATION, **TIME_REVERSAL}
-UNASKED = {
-    **dict.fromkeys(TIME_REVERSAL, "electrode_voltage_v"),
-    **dict.fromkeys(ELECTROVIBRATION, "electrode_voltage_v"),
-    **dict.fromkeys(ALWAYS, "peak_m"),
-}
-
-
-def table(kinds, output):
-    return {
-        "surface": {"kind": "hybrid", "electrovibration": TONE, "time_reversal": GLASS},
-        "effects": [{"kind": kind, **CASES[kind][0]} for kind in kinds],
-        "outputs": [output],
-        "contacts": [{"force_n": 2.0}, {"force_n": 2.0, "speed_m_per_s": 0.05, "x_m": 0.09, "y_m": 0.06}],
-        "given": {**LEVEL, **VOLT},
-        "accuracy": 0.1,
-    }
-
-
-@pytest.fixture(scope="module")
-def told():
-    """Modules of each scene without and with an effect that its output does not need, in processes of their own."""
-    if not hasattr(os, "fork"):
-        pytest.skip("needs os.fork for a process per effect")
-    pairs = {
-        kind: (table((), UNASKED[kind]), table((kind, *CASES[kind][1]), UNASKED[kind]))
-        for kind in UNASKED
-    }  # fmt: skip
-    here = ROOT / "tests" / "support" / "fresh_processes.py"
-    asked = json.dumps({"hybrid": (table((), "electrode_voltage_v"), pairs)})
-    done = subprocess.run([sys.executable, here], input=asked, capture_output=True, text=True, check=True)
-    return json.loads(done.stdout)[1]["hybrid"]
-
-
-@pytest.mark.parametrize("kind", UNASKED)
-def test_unneeded_effect_imports_only_its_own_module(told, kind):
-    without, with_it, _ = told[kind]
-    named = {EFFECTS[name].partition(":")[0] for name in (kind, *CASES[kind][1])}
-    rooms = {module.rpartition(".")[0] for module in named}  # whose `__init__` holds nothing
-    assert named <= set(with_it["modules"]) - set(without["modules"]) <= named | rooms
-    assert with_it["stages"] == without["stages"]
-    assert with_it["calls"] == without["calls"]
-
-
-# --- words and refusals
-
-
 def words(scene, given):
     """The explanation but for the times that were measured."""
     lines = explanation(scene, given).splitlines()
@@ -240,11 +181,11 @@ def test_explanation_lists_unneeded_effect_as_off(side, kind):
     scene = SCENES[f"bare {side}"]
     output = next(output for output, _, _ in unneeded(f"bare {side}", kind))
     without, with_it = (replace(scene, outputs=(output,), effects=effects) for effects in pair(scene, kind))
-    told = words(with_it, {**LEVEL, **VOLT})
-    off = next(line for line in told if line.startswith(kind))
+    lines = words(with_it, {**LEVEL, **VOLT})
+    off = next(line for line in lines if line.startswith(kind))
     assert off.split() == [kind, "off", "no", "output", "needs", "it"]
     added = {found.kind for found in with_it.effects} - {found.kind for found in without.effects}
-    assert others(told, added) == others(words(without, {**LEVEL, **VOLT}), added)
+    assert others(lines, added) == others(words(without, {**LEVEL, **VOLT}), added)
 
 
 @pytest.mark.parametrize(
