@@ -52,6 +52,10 @@ def test_choice_has_nothing_to_verify(one):
     assert one.source.startswith("choice: ")
 
 
+def test_at_most_16_defaults_are_unverified():
+    assert sum(one.is_unverified for one in parameters()) <= 16
+
+
 def numbers_of(thing):
     """Return the names of the numeric fields of a dataclass."""
     return {one.name for one in fields(thing) if isinstance(getattr(thing, one.name), float)}
