@@ -18,11 +18,13 @@ differ.
 | status of a default | meaning |
 |---|---|
 | exact | mathematics or a definition |
-| published | read in a text, table, figure or data sheet |
+| published | read in a text, table, figure or data sheet, or computed from one or from a named data set |
 | abstract | read in an abstract, or derived from a number in one |
+| choice | a choice of the study or a setting of the computation: nothing to verify |
 | from memory | a source is known or usual, its numbers were not read |
-| no source | nothing was found: a choice with a wide range |
+| no source | nothing was found: a default with a wide range |
 
+A default can differ from the value of its source. The range contains both.
 The thesis is Zophoniasson (2017), of which pages 1 to 39 were read. Ranges serve the change of one parameter at a time.
 They are not confidence intervals.
 """

@@ -12,7 +12,7 @@ from tactometry.config.toml import table_of
 from tactometry.loading import resolve
 
 Value = float | str
-Status = Literal["exact", "published", "abstract", "from_memory", "no_source"]
+Status = Literal["exact", "published", "abstract", "choice", "from_memory", "no_source"]
 UNVERIFIED: Final = ("from_memory", "no_source")
 """Statuses of defaults whose number was not read in a source."""
 

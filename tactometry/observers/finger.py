@@ -45,7 +45,7 @@ class Grips:
 class SimulatedFinger:
     """Finger with variable force and speed.
 
-    All defaults are choices (`finger` in `stimuli/sources.toml`): coefficients of variation of the mean force between
+    Defaults (sources: `finger` in `stimuli/sources.toml`): coefficients of variation of the mean force between
     trials (the gate opens only inside of the band, so values outside are drawn anew) and of the waver within a trial
     (correlated over `waver_s`), of the mean speed, and of its waver within a trial. `force_factor` and `speed_factor`
     are habits: how many times the force and the speed that are asked the finger presses and slides, where the band

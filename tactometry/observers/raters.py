@@ -27,7 +27,8 @@ class Raters:
     pole is on the right (s = 1) or left (s = -1), the answer is ``extremity s (l attitude + noise z) + acquiescence``,
     with z standard normal: a common factor model (Bollen, Structural Equations with Latent Variables, 1989, chapter 7).
     An attitude is the sum of the stated effects, of `liking` times the liking of the stimulus strength, and of random
-    deviations of the person: general, by dimension, and by dimension and stimulus. All numbers are choices.
+    deviations of the person: general, by dimension, and by dimension and stimulus. Sources: `raters` in
+    `stimuli/sources.toml`.
 
     - `loading`: Loading of every item that is not in `loadings`.
     - `loadings`: Loading of single items, by the item's id.

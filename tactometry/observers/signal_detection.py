@@ -23,7 +23,7 @@ class SignalDetectionObserver(ObserverWithTraits):
 
     d'(L) = criterion * 10^(exponent (L + sensitivity_db) / 20): at L = -sensitivity_db a stimulus is felt in half of
     the trials of a yes/no task; Green and Swets, Signal Detection Theory and Psychophysics (1966), with a power
-    transducer. The defaults are choices (`signal_detection` in `stimuli/sources.toml`): the criterion
+    transducer. Sources of the defaults: `signal_detection` in `stimuli/sources.toml`. The criterion
     gives 5 % false alarms.
 
     - `criterion`: Decision criterion in units of the internal noise, above 0.

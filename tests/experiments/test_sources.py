@@ -19,6 +19,7 @@ from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 GROUPS = groups()
 NUMBERS = [one for one in parameters() if not isinstance(one.value, str)]
+CHOICES = [one for one in parameters() if one.status == "choice"]
 OFF = {"corneum_resistivity_ohm_m", "gap_m", "body_resistance_ohm"}
 """Layers of the skin that effects of a scene add."""
 
@@ -43,6 +44,16 @@ def test_each_range_contains_its_default_and_is_wide_without_a_source(one):
     assert not one.is_unverified or one.high > one.low
     assert one.source
     assert one.read
+
+
+@pytest.mark.parametrize("one", CHOICES, ids=lambda one: one.key)
+def test_choice_has_nothing_to_verify(one):
+    assert not one.is_unverified
+    assert one.source.startswith("choice: ")
+
+
+def test_at_most_16_defaults_are_unverified():
+    assert sum(one.is_unverified for one in parameters()) <= 16
 
 
 def numbers_of(thing):

@@ -33,7 +33,7 @@ class CoulombFriction(Effect):
     abstract; aluminium and rubber).
 
     At a speed v it is the regularised law, ``mu v/sqrt(v^2 + v_s^2)``: a finger far below `slip_speed_m_per_s` creeps
-    and hardly slips, so that sensation goes smoothly to nothing at rest; 1 mm/s has no source.
+    and hardly slips, so that sensation goes smoothly to nothing at rest; 1 mm/s is a choice.
 
     Parameters
     ----------

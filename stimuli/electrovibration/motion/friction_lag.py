@@ -28,7 +28,7 @@ class FrictionLag(Effect):
     """First-order low-pass filter between electrostatic force and friction, ``1/(1 + i f/f_c)``.
 
     ``f_c = max(floor, f_0 + slope v)``. The slope, 13.8 Hz per mm/s, is published (20 to 100 mm/s, 0.2 to
-    0.6 N); intercept and floor have no source (`friction_lag` in `stimuli/sources.toml`).
+    0.6 N); the intercept has no source, the floor is a choice (`friction_lag` in `stimuli/sources.toml`).
 
     Parameters
     ----------
