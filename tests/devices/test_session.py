@@ -112,13 +112,16 @@ def test_session_pauses_when_network_sensor_dies(display, tmp_path, in_backgroun
     assert (status, errors.count("\n")) == (0, 1)
     assert errors.startswith("bench file, force.release = false: a force sensor that is stuck")
     rows = trial_rows(data)
-    assert [(row["valid"], row["attempt"]) for row in rows] == [("0", "1"), ("1", "2")]
-    assert rows[0]["force_mean_n"] in ("1", "")  # it may die before its first sample in the stimulus
-    assert rows[1]["force_mean_n"] == "1"
+    *lost, counted = rows
+    assert [row["attempt"] for row in rows] == [str(n + 1) for n in range(len(rows))]
+    assert {(row["valid"], row["invalid_reason"]) for row in lost} == {("0", "sensor_lost")}
+    assert {row["force_mean_n"] for row in lost} <= {"1", ""}  # it may die before its first sample in the stimulus
+    assert (counted["valid"], counted["force_mean_n"]) == ("1", "1")
     events = [(event["trial_type"], event["text"]) for event in events_of(data) if event["text"] != "n/a"]
     pause = [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
-    assert events in (pause, 2 * pause)  # a quick participant may begin before the first half second of the sensor
-    assert len(list(played.glob("*.npz"))) == 2
+    # a busy machine may lose the sensor again, or begin before its first half second
+    assert events == max(1, len(events) // 2) * pause
+    assert len(list(played.glob("*.npz"))) == sum(row["level_delivered"] != "" for row in rows) >= 2
     assert validate(data).defects == ()
 
 

@@ -1,11 +1,15 @@
 """Stimuli generated from the measured impulse responses of a bench."""
 
+import io
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import call
 from learnt_file import PROVENANCE, true_responses, write_responses
+from short_studies import shortened
 
+from tactometry.devices.outputs.output import RAMP_S, with_ramps
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.bench.bench_file import parse_bench
 from tactometry.experiments.bench.bench_parts import Learnt
@@ -13,6 +17,8 @@ from tactometry.experiments.bench.stimuli import bank_of, learnt_facts
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.provenance import sha256
+from tactometry.records.journal import read
+from tactometry.session.request import Press
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 
@@ -86,6 +92,26 @@ def test_unsuitable_responses_are_refused_before_playback(experiment, learnt, ch
 def test_missing_responses_file_is_named(experiment, learnt):
     with pytest.raises(InvalidFile, match=r"learnt.npz"):
         bank_of(experiment, learnt)
+
+
+def test_session_plays_the_learnt_responses(learnt, tmp_path, capsys, monkeypatch):
+    write_responses(learnt.responses, noise_db=40.0, factor=1.5)
+    study, bench, played = tmp_path / "s.toml", tmp_path / "bench.toml", tmp_path / "played"
+    study.write_text(shortened("time-reversal-threshold"), "utf-8")
+    output = f'[output]\nkind = "file"\nfolder = "{played}"\n'
+    bench.write_text(f'{output}[time_reversal]\nresponses = "{learnt.responses}"\n', "utf-8")
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 100))
+    run = ("run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", tmp_path / "d")
+    status, errors, _ = call(capsys, *run)
+    assert status == 0, errors
+    [journal] = (tmp_path / "d" / "journals").glob("*.jsonl")
+    recording = read(journal)
+    assert recording.head.facts["responses_measured"] == "2026-11-20 ZG"
+    bank = bank_of(wire(load(str(study))[0], "s.toml"), learnt)
+    felt = [(request, answer) for request, answer in recording.entries if isinstance(request, Press) and answer.digest]
+    assert felt
+    for request, answer in felt:
+        assert answer.digest == with_ramps(bank[request.stimulus].at(request.level), RAMP_S).digest()
 
 
 def test_journal_identifies_the_learnt_responses(learnt):

@@ -1,5 +1,7 @@
 """Valid arguments of every public function of time reversal."""
 
+import importlib
+import inspect
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,6 @@ from time_reversal_parts import (
     FREE,
     GRID,
     LINE,
-    LOW,
     MODAL,
     PLATE,
     POINTS,
@@ -36,6 +37,7 @@ from time_reversal_parts import (
     written,
 )
 
+import tactometry.stimuli.time_reversal as package
 from tactometry.contact import Contact
 from tactometry.stimuli.composition.effect import Demand
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
@@ -57,334 +59,191 @@ from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place, PlacedF
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
 PLACES = {"index": Place(0.10), "middle": Place(0.13)}
-AT_PLACES = PlacedFoci(SETUP, f_max_hz=900.0, places=PLACES, place="index + middle")
+INSTANCES = (
+    Attenuation(3e-3), Fingertip(), Tissue(), PulpLoad(0.1, 0.1, 6e-3), FocusLoss(S, 0.1 * S, 0.1 * S),
+    Contactor("rigid"), TimeReversalStimulus(FOCUS), TRAIN, EMISSION, Glass("x", 64e9, 0.2, 2230.0, "here"),
+    PlateLoad(0.1, 0.1, 9.0), SprungMass(0.1, 0.1, 1e-3, 1e5), RECEPTANCES, MODAL, FREE, Rectangular(), RaisedCosine(),
+    Exponential(), Sinc(), Table((0.0, 1.0)), PLATE, Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0), RESPONSES,
+    SCREEN, PlacedFoci(SETUP, f_max_hz=900.0, places=PLACES, place="index + middle"), Place(0.1), FocusReading(SETUP),
+    SETUP, BAND, Butterworth(500.0), PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01),
+)  # fmt: skip
+SELF = {type(each).__name__: each for each in INSTANCES}
+"""The instances of the methods."""
+
+USUAL: Mapping[str, Any] = {
+    "alpha": 1.25, "among": np.ones((2, 1, 1), complex), "amplitude_m": 1e-5, "amplitudes_m": BUMP, "apart": 2,
+    "area_m2": 1e-4, "at": WEIGHTS, "at_m": (0.1, 0.1), "back": BUMP, "band": BAND, "boundary": "SSSS",
+    "channel_capacitance_f": 1e-9, "channels": [1], "contact": Contact(2.0), "contact_m": 0.01,
+    "contactors": [Contactor("finger")], "contributions": FIELD, "cutoff_hz": 100.0, "delay_s": [1e-3, 2e-3],
+    "demand": Demand(TimeReversal(), (), (), (), 0.1), "design": DESIGN, "displacement_m": BUMP, "distance_m": 0.3,
+    "duration_s": 0.1, "emission": EMISSION, "energy": np.exp(-np.arange(32.0) / 5), "f_max_hz": 1e3,
+    "f_mean_hz": [1e3], "f_min_hz": 100.0, "field_m": FIELD, "finger": Fingertip(), "fingers": ("index",),
+    "flank_hz": 50.0, "foci": RESPONSES, "focus": (0.1, 0.1), "force_n": 2.0, "forces_n": [2.0], "free_m": BUMP[None],
+    "frequency_hz": 1e3, "full_scale": 1.0, "gain": Butterworth(500.0), "glass": "soda-lime", "grid_m": (LINE, LINE),
+    "heard": SETUP.responses_at(0.1, 0.1), "height": 1.0, "index": 1, "inset_m": 0.012, "kelvin": 5.0,
+    "learnt": RESPONSES, "length_m": 0.2, "level": 0.5, "loads": [PlateLoad(0.1, 0.1, 9.0)], "loss_tangent": 0.017,
+    "mass_kg": 0.15, "modes": MODAL, "modulation": "burst", "modulus_pa": 1e9, "moment_n_per_v": 1e-3,
+    "n_channels": np.array([8.0]), "n_draws": 2, "n_reversal": 9, "n_samples": 9, "n_transducers": 4, "n_x": 3,
+    "n_y": 4, "name": "source", "of": WEIGHTS, "on_x": lambda axis: axis.value(0.1),
+    "on_y": lambda axis: axis.value(0.1), "order": 4, "oscillators": SCREEN.oscillators(1e3), "path": [0, 1],
+    "pattern": Pattern(10.0, 0.2), "peaks_m": [1e-5, 2e-5], "per_channel": True, "place": "index", "places": PLACES,
+    "plate": PLATE, "played": CLICK, "point": 1, "points": POINTS, "position": np.array([0.0, 0.5]), "profile": BUMP,
+    "provenance": {"who": "me"}, "pulp_mass_kg": 1e-4, "quantiser": OneBit(), "quantity": "velocity",
+    "radius_m": 6e-3, "rate_hz": 2e3, "recorded": CLICK, "reference_m": 1e-5, "regularisation": 1e-6,
+    "relative_permittivity": 1800.0, "relearn": False, "repetition_s": 3e-3, "response": CLICK,
+    "responses": RESPONSES, "reversal_s": 0.1, "rng": np.random.default_rng(0), "room": ROOM, "rows": [0, 1, 0], "s": S,
+    "sample": 7, "samples": [3, 7],
+    "screen": SCREEN, "setup": SETUP, "shear_factor": 0.8, "shift_per_k": -5e-5, "side_m": 1e-2,
+    "signal": SIGNAL, "signal_m": DECAYING[0, 0], "size": 4, "snr_db": 20.0, "sound_speed_m_per_s": 343.0,
+    "sources": SCREEN.sources, "start_s": 0.01, "static_to_hz": 2e3, "stiffness": S[:, None],
+    "subsets": {"all": [0, 1]}, "target": Target(), "tau_s": 3e-3, "there": LINE, "thickness_m": 1e-3,
+    "thicknesses_m": [1e-3], "times_s": [0.0, 0.01], "tissue": Tissue(), "to": WEIGHTS,
+    "to_contacts": np.ones((1, 1, 2), complex), "train": TRAIN, "transducers": Transducers(8), "voltage_v": 30.0,
+    "wanted_resolution_m": 1e-2, "waveform": FIELD, "wavenumber_rad_per_m": [100.0], "weight": 0.5,
+    "weights": [1.0, -1.0], "where": "fingers", "width_m": 0.1, "window": np.ones(400), "x": BUMP, "x_m": [0.1],
+    "y_m": [0.1],
+}  # fmt: skip
+"""Values by the name of the parameter."""
+
+ON_GRID = {"x_m": GRID[0], "y_m": GRID[1]}
+ON_PATTERN = {"frequency_hz": np.array([0.0, 50.0])}
+INSIDE = {"x_m": 0.1, "y_m": 0.1}
+OTHER: Mapping[str, Mapping[str, Any]] = {
+    "Attenuation.rate_per_s": {"frequency_hz": [1e3]}, "one_bit_amplitude_ratio": {"reversal_s": [6e-3]},
+    "analogue_amplitude_ratio": {"reversal_s": [6e-3]}, "repetition_noise_ratio": {"repetition_s": [5e-3]},
+    "repetition_amplitude_ratio": {"reversal_s": 6e-3}, "focus_profile": {"radius_m": [0.0, 0.1]},
+    "Fingertip.contact": {"self": Fingertip(impedance="tissue")}, "PulpLoad.check": {"name": "x"},
+    "FocusLoss.by": {"stiffness": S}, "focus_loss": {"contact": PulpLoad(0.1, 0.1, 6e-3)},
+    "force_loss": {"places": {"F": (0.1, 0.1)}}, "amplitude_loss": {"loads": [PlateLoad(0.2, 0.1, 9.0)]},
+    "ejection_force_n": {"frequency_hz": 1e4}, "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3},
+    "one_sided_contacts": {"force_n": [1.0], "rate_hz": 1e4}, "one_sided_contact": {"free_m": BUMP, "rate_hz": 1e4},
+    "tau_s": {"response": DECAYING[0, 0]},
+    "recommend": {"band": DESIGN.band, "target": Target(1e-2, 5.0, 1e-6, 200.0)},
+    "design.guide.amplitudes_m": {"reversal_s": np.array([1e-3])}, "contrast_over": {"reversal_s": np.array([1e-3])},
+    "TimeReversalStimulus.at": {"level": 1e-9}, "TimeReversalStimulus.voltage_v": {"level": 1e-9},
+    "FocusTrain.at": {"level": -60.0}, "FocusTrain.voltage_v": {"level": -60.0},
+    "reversed_waveform": {"reversal_s": 0.2}, "drive": {"reversal_s": 0.2}, "sweep": {"f_max_hz": 900.0},
+    "learn": {"recorded": DECAYING[0]}, "as_displacement": {"f_max_hz": 900.0},
+    "loaded_responses": SAMPLING, "impulse_responses": {**SAMPLING, "quantity": "displacement"},
+    "merit.field": {"at_m": GRID}, "movie": {"at_m": GRID}, "resolution_per_focus_m": {"foci": [(0.14, 0.1)]},
+    "contrast_whole_of": {"amplitude_m": 4.0}, "merit.width_m": {"at_m": LINE},
+    "SeparableModes.field": {"amplitude": np.ones(len(MODAL.frequency_hz)), **ON_GRID},
+    "RitzModes.field": {"amplitude": np.ones(len(FREE.frequency_hz)), **ON_GRID},
+    "SeparableModes.frame": ON_GRID, "RitzModes.frame": ON_GRID, "pattern_drive": {"tau_s": 3e-2},
+    "burst_s": {"reversal_s": 7e-3, "tau_s": 3.5e-3}, "Plate.contains": INSIDE, "Plate.check_holds": {"name": "at_m"},
+    "Responses.mean_of": {"points": [1]}, "samples_in": {"name": "duration_s", "duration_s": 1.0},
+    "PlacedFoci.heard": {"learnt": None}, "Place": INSIDE, "PlacedFoci": {"f_max_hz": 900.0},
+    "contact_force_n": {"signal": AT_SETUP}, "contact_forces_n": {"signal": AT_SETUP},
+    "FocusReading.sensation_db": {"signal": AT_SETUP},
+    "FocusReading.contact_force_n": {"signal": AT_SETUP}, "displacement_at_focus_m": {"signal": AT_SETUP},
+    "free_displacement": {"signal": AT_SETUP}, "place_on": INSIDE, "events": {"rate_hz": 1e3},
+    "Setup.responses_at": INSIDE, "Setup.responses_at_each": {"places": ((0.1, 0.1), (0.2, 0.1))},
+    "a_weighting_db": {"frequency_hz": [1e3]}, "envelope": {"signal": BUMP}, "filtered": {"samples": FIELD},
+    "Band.at": ON_PATTERN, "Butterworth.at": ON_PATTERN,
+    "sheets": {"band": DESIGN.band}, "best_sheet": {"among": SHEETS},
+    "capacitance_f": {"thickness_m": 3e-4}, "border": {"side_m": 0.01},
+}  # fmt: skip
+"""Values of single functions."""
+ONLY = {"PlacedFoci": ("setup", "places", "place", "f_max_hz")}
+"""Functions whose other arguments keep their defaults."""
+
+NAMES = {
+    "screen.attenuation": "Attenuation.rate_per_s",
+    "design.closed_forms": (
+        "patch_response passed_hz effective_hz weighted_width_m one_bit_amplitude_ratio analogue_amplitude_ratio "
+        "contrast_whole contrast_limit repetition_noise_ratio repetition_amplitude_ratio focus_profile resolution_m "
+        "half_wavelength_m"
+    ),
+    "fingertip": "Fingertip.load Fingertip.contact",
+    "pulp": (
+        "Tissue.shear_pa PulpLoad.weights PulpLoad.modal_force PulpLoad.check PulpLoad.spread "
+        "PulpLoad.dynamic_stiffness disc_stiffness"
+    ),
+    "focus_loss": "FocusLoss.by focus_loss",
+    "finger": "force_loss amplitude_loss ejection_force_n Contactor.loads hertz_stiffness_n_per_m",
+    "lift_off": "one_sided_contacts one_sided_contact",
+    "responses.plate_constants": "schroeder_db tau_s decay_of",
+    "design.guide": "recommend amplitudes_m contrast_over n_held thickness_for_m wavelength_to_patch",
+    "plate.dispersion": (
+        "wavenumber_rad_per_m wavelength_m phase_velocity_m_per_s group_velocity_m_per_s "
+        "mindlin_angular_frequency_rad_per_s mindlin_wavenumber_rad_per_m shear_stiffness_n_per_m"
+    ),
+    "stimulus.focus_train": (
+        "TimeReversalStimulus.at TimeReversalStimulus.voltage_v FocusTrain.heard FocusTrain.at FocusTrain.voltage_v "
+        "measured"
+    ),
+    "focusing.focusing": (
+        "Emission.responses Emission.drive reversed_waveform drive emitted focus_amplitudes focus_amplitude"
+    ),
+    "plate.glass": "read_plate NamedGlass Glass.plate",
+    "responses.learning": "sweep sequence deconvolve delay_s learn as_displacement write_learnt read_provenance",
+    "responses.load": (
+        "PlateLoad.weights PlateLoad.spread SprungMass.spread PlateLoad.dynamic_stiffness SprungMass.weights "
+        "SprungMass.dynamic_stiffness Receptances.of Receptances.between Receptances.correction Receptances.among "
+        "contact_transfer loaded_responses contour"
+    ),
+    "responses.measured": "read trimmed aligned inspect reciprocity_error",
+    "focusing.merit": (
+        "modal_amplitudes grid field movie modal_history contributions_m amplitude_over_count_m amplitude_by_subset_m "
+        "resolution_per_focus_m switched_power_w dielectric_power_w contrast_whole_of width_m area_m2 envelope "
+        "temporal_width_s uniformity"
+    ),
+    "plate.modes": (
+        "values laplacians modes_of SeparableModes.products SeparableModes.field SeparableModes.frame "
+        "RitzModes.products RitzModes.field RitzModes.frame"
+    ),
+    "focusing.pattern": (
+        "Rectangular.at RaisedCosine.at Exponential.at Sinc.at Table.at pattern_drive reversed_waveforms "
+        "focus_samples focus_starts burst_s"
+    ),
+    "plate.plate": (
+        "Plate.contains Plate.check_holds Plate.frequencies_hz navier ritz ritz_frequencies_hz degrees "
+        "degrees_called_for"
+    ),
+    "focusing.quantiser": "Analogue.quantise normalised one_bit",
+    "focusing.one_bit": "OneBit.quantise",
+    "focusing.sigma_delta": "SigmaDelta.quantise",
+    "focusing.pulse_width": "PulseWidth.quantise PulseWidth.size",
+    "responses.responses": (
+        "through band_limited inaudible Responses.at_point Responses.mean_of Responses.of_channels impulse_responses "
+        "samples_in chunks values_at"
+    ),
+    "screen.screen": "Screen.modes Screen.oscillators Screen.modal_forces warmed",
+    "stimulus.placed_foci": "PlacedFoci PlacedFoci.heard Place Place.on FingersSensation check_fingers",
+    "stimulus.contact_force": "contact_force_n contact_forces_n",
+    "stimulus.sensation": (
+        "FocusReading.sensation_db FocusReading.contact_force_n displacement_at_focus_m free_displacement place_on "
+        "loaded_displacements peaks events felt_amplitude_m"
+    ),
+    "stimulus.setup": "Setup.responses_at Setup.learnt Setup.responses_at_each",
+    "focusing.sound": "a_weighting_db coincidence_frequency_hz radiation_efficiency noise velocity_spectrum",
+    "filters": "filtered Band.at Butterworth.at",
+    "plate.statics": "deflection_m bending_stress_pa",
+    "design.thickness": "sheets best_sheet",
+    "screen.transducer": (
+        "capacitance_f PointForce.modal_force PointForce.check Patch.modal_force Patch.check DiscPatch.modal_force "
+        "DiscPatch.check modal_forces border"
+    ),
+}
 
 
 def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
     """Valid arguments of every public function, by module; `self` is the instance of a method."""
     npz, toml = written(folder)
-    on_plate = {"plate": PLATE, "frequency_hz": 1e3}
-    heard = {"responses": RESPONSES}
-    driven = {"screen": SCREEN, "signal": SIGNAL, **LOW}
+    files = {"read_plate": toml, "write_learnt": folder / "learnt.npz", "read_provenance": npz}
     return {
-        "screen.attenuation": {
-            "Attenuation.rate_per_s": {"self": Attenuation(3e-3), "frequency_hz": [1e3]},
-        },
-        "design.closed_forms": {
-            **{
-            name: {"plate": PLATE, "side_m": 1e-2, "band": BAND}
-            for name in ("patch_response", "passed_hz", "effective_hz", "weighted_width_m")
-        },
-            "one_bit_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
-            "analogue_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
-            "contrast_whole": {"room": ROOM},
-            "contrast_limit": {"room": ROOM},
-            "repetition_noise_ratio": {"repetition_s": [5e-3], "tau_s": 3e-3},
-            "repetition_amplitude_ratio": {"reversal_s": 6e-3, "repetition_s": 3e-3, "tau_s": 3e-3},
-            "focus_profile": {"plate": PLATE, "band": BAND, "radius_m": [0.0, 0.1]},
-            "resolution_m": {"plate": PLATE, "band": BAND, "level": 0.5},
-            "half_wavelength_m": {"plate": PLATE, "f_mean_hz": [1e3], "alpha": 1.25},
-        },
-        "fingertip": {
-            "Fingertip.load": {"self": Fingertip(), "at_m": (0.1, 0.1), "force_n": 2.0},
-            "Fingertip.contact": {"self": Fingertip(impedance="tissue"), "at_m": (0.1, 0.1), "force_n": 2.0},
-        },
-        "pulp": {
-            "Tissue.shear_pa": {"self": Tissue(), "s": S},
-            "PulpLoad.weights": {"self": PulpLoad(0.1, 0.1, 6e-3), "screen": SCREEN, **LOW},
-            "PulpLoad.modal_force": {"self": PulpLoad(0.1, 0.1, 6e-3), "modes": SCREEN.modes(1e3)},
-            "PulpLoad.check": {"self": PulpLoad(0.1, 0.1, 6e-3), "plate": PLATE, "name": "x"},
-            "PulpLoad.spread": {"self": PulpLoad(0.1, 0.1, 6e-3), "s": S, "plate": PLATE},
-            "PulpLoad.dynamic_stiffness": {"self": PulpLoad(0.1, 0.1, 6e-3), "s": S},
-            "disc_stiffness": {"s": S, "radius_m": 6e-3, "tissue": Tissue()},
-        },
-        "focus_loss": {
-            "FocusLoss.by": {"self": FocusLoss(S, 0.1 * S, 0.1 * S), "stiffness": S},
-            "focus_loss": {
-                "screen": SCREEN, "focus": (0.1, 0.1), "contact": PulpLoad(0.1, 0.1, 6e-3), "emission": EMISSION
-            },
-        },
-        "finger": {
-            "force_loss": {
-                "screen": SCREEN, "focus": (0.1, 0.1), "places": {"F": (0.1, 0.1)},
-                "contactors": [Contactor("finger")], "forces_n": [2.0], "emission": EMISSION,
-            },
-            "amplitude_loss": {
-                "screen": SCREEN, "focus": (0.1, 0.1), "loads": [PlateLoad(0.2, 0.1, 9.0)], "emission": EMISSION,
-                "relearn": False,
-            },
-            "ejection_force_n": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "pulp_mass_kg": 1e-4},
-            "Contactor.loads": {"self": Contactor("rigid"), "plate": PLATE, "at_m": (0.1, 0.1), "force_n": 2.0},
-            "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3, "modulus_pa": 1e9},
-        },
-        "lift_off": {
-            "one_sided_contacts": {
-                "screen": SCREEN, "free_m": BUMP[None], "loads": [PlateLoad(0.1, 0.1, 9.0)], "force_n": [1.0],
-                "rate_hz": 1e4, "f_max_hz": 1e3,
-            },
-            "one_sided_contact": {
-                "screen": SCREEN, "at_m": (0.1, 0.1), "free_m": BUMP, "rate_hz": 1e4, "force_n": 2.0,
-                "finger": Fingertip(), **LOW,
-            },
-        },
-        "responses.plate_constants": {
-            "schroeder_db": {"response": CLICK},
-            "tau_s": {"response": DECAYING[0, 0], "rate_hz": 2e3},
-            "decay_of": {"energy": np.exp(-np.arange(32.0) / 5)},
-        },
-        "design.guide": {
-            "recommend": {
-                "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3,
-                "target": Target(1e-2, 5.0, 1e-6, 200.0),
-            },
-            "amplitudes_m": {"design": DESIGN, "reversal_s": np.array([1e-3])},
-            "contrast_over": {"design": DESIGN, "n_channels": np.array([8.0]), "reversal_s": np.array([1e-3])},
-            "n_held": {"plate": PLATE, "side_m": 1e-2},
-            "thickness_for_m": {"plate": PLATE, "band": BAND, "wanted_resolution_m": 1e-2},
-            "wavelength_to_patch": {**on_plate, "side_m": 1e-2},
-        },
-        "plate.dispersion": {
-            "wavenumber_rad_per_m": on_plate,
-            "wavelength_m": on_plate,
-            "phase_velocity_m_per_s": on_plate,
-            "group_velocity_m_per_s": on_plate,
-            "mindlin_angular_frequency_rad_per_s": {
-                "plate": PLATE, "wavenumber_rad_per_m": [100.0], "shear_factor": 0.8,
-            },
-            "mindlin_wavenumber_rad_per_m": {**on_plate, "shear_factor": 0.8},
-            "shear_stiffness_n_per_m": {"plate": PLATE, "shear_factor": 0.8},
-        },
+        module: {name: _arguments(module, name, files | {"paths": [npz]}) for name in names.split()}
+        for module, names in NAMES.items()
+    }
 
-        "stimulus.focus_train": {
-            **{
-            f"TimeReversalStimulus.{name}": {"self": TimeReversalStimulus(FOCUS), "level": 1e-9}
-            for name in ("at", "voltage_v")
-        },
-            "FocusTrain.heard": {"self": TRAIN, "learnt": RESPONSES},
-            "FocusTrain.at": {"self": TRAIN, "level": -60.0},
-            "FocusTrain.voltage_v": {"self": TRAIN, "level": -60.0},
-            "measured": {"train": TRAIN, "heard": SETUP.responses_at(0.1, 0.1)},
-        },
-        "focusing.focusing": {
-            "Emission.responses": {
-                "self": EMISSION, "screen": SCREEN, "points": POINTS, "loads": [PlateLoad(0.1, 0.1, 9.0)],
-            },
-            "Emission.drive": {"self": EMISSION, "foci": RESPONSES},
-            "reversed_waveform": {
-                "foci": RESPONSES, "reversal_s": 0.2, "weights": [1.0, -1.0], "window": np.ones(400),
-            },
-            "drive": {
-                "foci": RESPONSES, "voltage_v": 30.0, "quantiser": OneBit(), "reversal_s": 0.2,
-                "weights": [1.0, -1.0], "window": np.ones(400),
-            },
-            "emitted": {"signal": SIGNAL, **heard},
-            "focus_amplitudes": {"signal": SIGNAL, **heard},
-            "focus_amplitude": {"signal": SIGNAL, **heard, "point": 1},
-        },
-        "plate.glass": {
-            "read_plate": {"path": toml},
-            "NamedGlass": {"glass": "soda-lime"},
-            "Glass.plate": {
-                "self": Glass("x", 64e9, 0.2, 2230.0, "here"), "length_m": 0.2, "width_m": 0.1, "thickness_m": 1e-3,
-                "boundary": "SSSS",
-            }
-        },
-        "responses.learning": {
-            "sweep": {"f_min_hz": 100.0, "f_max_hz": 900.0, "rate_hz": 2e3, "duration_s": 0.1},
-            "sequence": {"order": 4, "rate_hz": 2e3},
-            "deconvolve": {"played": CLICK, "recorded": CLICK, "n_samples": 9, "regularisation": 1e-6},
-            "delay_s": {"played": CLICK, "recorded": CLICK, "rate_hz": 2e3},
-            "learn": {
-                "played": CLICK, "recorded": DECAYING[0], "rate_hz": 2e3, "duration_s": 0.1,
-                "quantity": "velocity", "regularisation": 1e-6,
-            },
-            "as_displacement": {**heard, "f_min_hz": 100.0, "f_max_hz": 900.0},
-            "write_learnt": {**heard, "path": folder / "learnt.npz", "provenance": {"who": "me"}},
-            "read_provenance": {"path": npz},
-        },
-        "responses.load": {
-            "PlateLoad.weights": {"self": PlateLoad(0.1, 0.1), "screen": SCREEN, **LOW},
-            "PlateLoad.spread": {"self": PlateLoad(0.1, 0.1), "s": S, "plate": PLATE},
-            "SprungMass.spread": {"self": SprungMass(0.1, 0.1, 1e-3, 1e5), "s": S, "plate": PLATE},
-            "PlateLoad.dynamic_stiffness": {"self": PlateLoad(0.1, 0.1, 9.0), "s": S},
-            "SprungMass.weights": {"self": SprungMass(0.1, 0.1, 1e-3, 1e5), "screen": SCREEN, **LOW},
-            "SprungMass.dynamic_stiffness": {"self": SprungMass(0.1, 0.1, 1e-3, 1e5), "s": S},
-            "Receptances.of": {"oscillators": SCREEN.oscillators(1e3), "mass_kg": 0.15, "s": S},
-            "Receptances.between": {"self": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS},
-            "Receptances.correction": {
-                "self": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS, "at": WEIGHTS, "stiffness": S[:, None],
-            },
-            "Receptances.among": {"self": RECEPTANCES, "at": WEIGHTS},
-            "contact_transfer": {
-                "to_contacts": np.ones((1, 1, 2), complex), "among": np.ones((2, 1, 1), complex),
-                "stiffness": S[:, None],
-            },
-            "loaded_responses": {"screen": SCREEN, "points": POINTS, "loads": [PlateLoad(0.1, 0.1, 9.0)], **SAMPLING},
-            "contour": {"n_samples": 9, "rate_hz": 2e3},
-        },
-        "responses.measured": {
-            "read": {"paths": [npz], "full_scale": 1.0, "quantity": "velocity"},
-            "trimmed": {**heard, "start_s": 0.01, "duration_s": 0.1},
-            "aligned": {**heard, "delay_s": [1e-3, 2e-3]},
-            "inspect": {**heard, "snr_db": 20.0},
-            "reciprocity_error": {"there": LINE, "back": BUMP},
-        },
-        "focusing.merit": {
-            "modal_amplitudes": {**driven, "sample": 7, "quantity": "velocity"},
-            "grid": {"screen": SCREEN, "n_x": 3, "n_y": 4},
-            "field": {**driven, "sample": 7, "at_m": GRID},
-            "movie": {**driven, "samples": [3, 7], "at_m": GRID},
-            "modal_history": {**driven, "samples": [3, 7]},
-            "contributions_m": {**heard, "voltage_v": 30.0},
-            "amplitude_over_count_m": {"contributions": FIELD, "rng": np.random.default_rng(0), "n_draws": 2},
-            "amplitude_by_subset_m": {"contributions": FIELD, "subsets": {"all": [0, 1]}},
-            "resolution_per_focus_m": {"screen": SCREEN, "foci": [(0.14, 0.1)], "emission": EMISSION, "level": 0.5},
-            "switched_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
-            "dielectric_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9, "loss_tangent": 0.017},
-            "contrast_whole_of": {"amplitude_m": 4.0, "field_m": FIELD},
-            "width_m": {"at_m": LINE, "profile": BUMP, "level": 0.5},
-            "area_m2": {"field_m": FIELD, "grid_m": (LINE, LINE), "level": 0.5},
-            "envelope": {"signal": BUMP},
-            "temporal_width_s": {"signal_m": DECAYING[0, 0], "rate_hz": 2e3, "level": 0.5},
-            "uniformity": {"amplitudes_m": BUMP},
-        },
-        "plate.modes": {
-            "values": {"modes": MODAL, "x_m": [0.1], "y_m": [0.1]},
-            "laplacians": {"modes": MODAL, "x_m": [0.1], "y_m": [0.1]},
-            "modes_of": {"plate": PLATE, "f_max_hz": 1e3, "shear_factor": 0.8},
-            **{
-                f"{kind}Modes.{name}": {"self": modes, **arguments}
-                for kind, modes in (("Separable", MODAL), ("Ritz", FREE))
-                for name, arguments in {
-                    "products": {"on_x": lambda axis: axis.value(0.1), "on_y": lambda axis: axis.value(0.1)},
-                    "field": {"amplitude": np.ones(len(modes.frequency_hz)), "x_m": GRID[0], "y_m": GRID[1]},
-                    "frame": {"x_m": GRID[0], "y_m": GRID[1]},
-                }.items()
-            },
-        },
-        "focusing.pattern": {
-            **{
-                f"{type(envelope).__name__}.at": {"self": envelope, "position": np.array([0.0, 0.5])}
-                for envelope in (Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)))
-            },
-            "pattern_drive": {
-                "foci": RESPONSES, "pattern": Pattern(10.0, 0.2), "voltage_v": 30.0, "quantiser": OneBit(),
-                "reversal_s": 0.1, "path": [0, 1], "modulation": "burst", "tau_s": 3e-2,
-            },
-            "reversed_waveforms": {"foci": RESPONSES, "rows": [0, 1, 0], "reversal_s": 0.1},
-            "focus_samples": {"pattern": Pattern(10.0, 0.2), "rate_hz": 2e3, "n_reversal": 9},
-            "focus_starts": {"pattern": Pattern(10.0, 0.2), "rate_hz": 2e3},
-            "burst_s": {"weight": 0.5, "reversal_s": 7e-3, "tau_s": 3.5e-3},
-        },
-        "plate.plate": {
-            "Plate.contains": {"self": PLATE, "x_m": 0.1, "y_m": 0.1},
-            "Plate.check_holds": {"self": PLATE, "name": "at_m", "at_m": (0.1, 0.1)},
-            "Plate.frequencies_hz": {"self": PLATE, **LOW},
-            "navier": {"plate": PLATE, **LOW},
-            "ritz": {"plate": PLATE, **LOW},
-            "ritz_frequencies_hz": {"plate": PLATE, **LOW},
-            "degrees": {"plate": PLATE, **LOW},
-            "degrees_called_for": {"plate": PLATE, **LOW},
-        },
-        "focusing.quantiser": {
-            "Analogue.quantise": {"self": Analogue(), "waveform": FIELD, "rate_hz": 2e3},
-            "normalised": {"waveform": FIELD, "per_channel": True},
-            "one_bit": {},
-        },
-        "focusing.one_bit": {"OneBit.quantise": {"self": OneBit(), "waveform": FIELD, "rate_hz": 2e3}},
-        "focusing.sigma_delta": {"SigmaDelta.quantise": {"self": SigmaDelta(), "waveform": FIELD, "rate_hz": 2e3}},
-        "focusing.pulse_width": {
-            "PulseWidth.quantise": {"self": PulseWidth(200.0), "waveform": FIELD, "rate_hz": 2e3},
-            "PulseWidth.size": {"self": PulseWidth(200.0), "demand": Demand(TimeReversal(), (), (), (), 0.1)},
-        },
-        "responses.responses": {
-            "through": {**heard, "gain": Butterworth(500.0)},
-            "band_limited": {**heard, "band": BAND},
-            "inaudible": {**heard, "cutoff_hz": 100.0, "flank_hz": 50.0},
-            "Responses.at_point": {"self": RESPONSES, "index": 1},
-            "Responses.mean_of": {"self": RESPONSES, "points": [1]},
-            "Responses.of_channels": {"self": RESPONSES, "channels": [1]},
-            "impulse_responses": {
-                "screen": SCREEN, "points": POINTS, **SAMPLING, "quantity": "displacement", "static_to_hz": 2e3,
-            },
-            "samples_in": {"name": "duration_s", "duration_s": 1.0, "rate_hz": 2e3},
-            "chunks": {"n_samples": 9, "size": 4},
-            "values_at": {"screen": SCREEN, "points": POINTS, **LOW},
-        },
-        "screen.screen": {
-            **{
-            f"Screen.{name}": {"self": SCREEN, **LOW} for name in ("modes", "oscillators", "modal_forces")
-        },
-            "warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5},
-        },
-        "stimulus.placed_foci": {
-            "PlacedFoci": {"setup": SETUP, "places": PLACES, "place": "index", "f_max_hz": 900.0},
-            "PlacedFoci.heard": {"self": AT_PLACES, "learnt": None},
-            "Place": {"x_m": 0.1, "y_m": 0.1},
-            "Place.on": {"self": Place(0.1), "setup": SETUP},
-            "FingersSensation": {"setup": SETUP, "places": PLACES, "fingers": ("index",), "reference_m": 1e-5},
-            "check_fingers": {"where": "fingers", "setup": SETUP, "places": PLACES, "fingers": ("index",)},
-        },
-        "stimulus.contact_force": {
-            **{
-                name: {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]}
-                for name in ("contact_force_n", "contact_forces_n")
-            },
-        },
-        "stimulus.sensation": {
-            **{
-                f"FocusReading.{name}": {"self": FocusReading(SETUP), "signal": AT_SETUP, "contact": Contact(2.0)}
-                for name in ("sensation_db", "contact_force_n")
-            },
-            "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
-            "free_displacement": {"signal": AT_SETUP, "setup": SETUP, "at_m": (0.1, 0.1)},
-            "place_on": {"setup": SETUP, "x_m": 0.1, "y_m": 0.1},
-            "loaded_displacements": {"free_m": BUMP[None], "setup": SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
-            "peaks": {"x": BUMP, "height": 1.0, "apart": 2},
-            "events": {"displacement_m": BUMP, "rate_hz": 1e3},
-            "felt_amplitude_m": {"times_s": [0.0, 0.01], "peaks_m": [1e-5, 2e-5]},
-        },
-        "stimulus.setup": {
-            "Setup.responses_at": {"self": SETUP, "x_m": 0.1, "y_m": 0.1}, "Setup.learnt": {"self": SETUP},
-            "Setup.responses_at_each": {"self": SETUP, "places": ((0.1, 0.1), (0.2, 0.1))},
-        },
-        "focusing.sound": {
-            "a_weighting_db": {"frequency_hz": [1e3]},
-            "coincidence_frequency_hz": {"plate": PLATE, "sound_speed_m_per_s": 343.0},
-            "radiation_efficiency": on_plate,
-            "noise": {**driven, "distance_m": 0.3, "duration_s": 0.1},
-            "velocity_spectrum": driven,
-        },
-        "filters": {
-            "filtered": {"samples": FIELD, "rate_hz": 2e3, "gain": Butterworth(500.0)},
-            **{
-                f"{type(gain).__name__}.at": {"self": gain, "frequency_hz": np.array([0.0, 50.0])}
-                for gain in (BAND, Butterworth(500.0))
-            },
-        },
-        "plate.statics": {
-            "deflection_m": {"plate": PLATE, "force_n": 2.0, "at_m": (0.1, 0.1), "x_m": [0.1], "y_m": [0.1]},
-            "bending_stress_pa": {"plate": PLATE, "force_n": 2.0, "contact_m": 0.01},
-        },
 
-        "design.thickness": {
-            "sheets": {
-                "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3, "target": Target(),
-                "thicknesses_m": [1e-3],
-            },
-            "best_sheet": {"among": SHEETS, "thickness_m": 1e-3},
-        },
-        "screen.transducer": {
-            "capacitance_f": {"area_m2": 1e-4, "thickness_m": 3e-4, "relative_permittivity": 1800.0},
-            **{
-                f"{type(source).__name__}.{name}": {"self": source, **arguments}
-                for source in (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01))
-                for name, arguments in {
-                    "modal_force": {"modes": MODAL},
-                    "check": {"plate": PLATE, "name": "source"},
-                }.items()
-            },
-            "modal_forces": {"modes": MODAL, "sources": SCREEN.sources},
-            "border": {"plate": PLATE, "n_transducers": 4, "side_m": 0.01, "inset_m": 0.012, "moment_n_per_v": 1e-3},
-        },
-    }  # fmt: skip
+def _arguments(module: str, name: str, files: Mapping[str, Any]) -> Mapping[str, Any]:
+    other = next((values for key, values in OTHER.items() if f".{module}.{name}".endswith(f".{key}")), {})
+    kind, _, method = name.rpartition(".")
+    found = {"self": other.get("self", SELF[kind])} if kind else {}
+    owner = found.get("self", importlib.import_module(f"{package.__name__}.{module}"))
+    values = {**USUAL, "paths": files["paths"], **other}
+    if name in files:
+        values["path"] = files[name]
+    parameters = ONLY.get(name, inspect.signature(getattr(owner, method)).parameters)
+    return found | {parameter: values[parameter] for parameter in parameters if parameter in values}
