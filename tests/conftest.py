@@ -21,6 +21,7 @@ from hands import SCREEN_PX, Hands
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
 from patience import LONGEST_WAIT_S
+from sampled import Passing
 from scratch import write_in_memory
 from soak import SOAK
 from sound_server import alsa, server, sink
@@ -191,27 +192,24 @@ def in_background():
         raise errors[0]
 
 
-class Watched:
+class Watched(Passing):
     """A window that tells a thread when a page is shown, and notes when it would be closed."""
 
     def __init__(self, window, log):
-        self._window = window
+        super().__init__(window)
         self._log = log
         self.shown = queue.Queue()
         self.pages, self.drawn = [], []
 
-    def __getattr__(self, name):
-        return getattr(self._window, name)
-
     def present(self, page):
-        flipped_s = self._window.present(page)
+        flipped_s = self.wrapped.present(page)
         self.pages.append(page)
         self.shown.put(flipped_s)
         return flipped_s
 
     def refresh(self, page):
         self.drawn.append(page)
-        return self._window.refresh(page)
+        return self.wrapped.refresh(page)
 
     def close(self):
         self._log.append("screen.close")

@@ -96,19 +96,6 @@ def test_rounding_never_raises_a_sample():
         hard_case("samples of 16 bits", final.samples, signal.samples, 6.2e-5, against="the signal", floor=1)
 
 
-def test_stop_fades_to_zero_within_a_block():
-    course = FrameFeed(np.full((1000, 2), 1000, "int16"), n_fade=48)
-    assert np.all(course.take(240) == 1000)
-    course.stop()
-    last = course.take(240)
-    assert len(last) == 48
-    assert last[0, 0] == 1000
-    assert np.all(np.diff(last[:, 0]) < 0)
-    assert last[-1, 0] <= 1000 / 48 + 1
-    assert course.finished
-    assert len(course.take(240)) == 0
-
-
 def test_shared_card_is_refused_unless_allowed(sink):
     """The other tests with this sound server set `shared`."""
 
@@ -260,7 +247,6 @@ def test_suspended_process_plays_nothing_after_it_continues(sink):
 
 @st.composite
 def feeds(draw):
-    """Draw frames, the length of the fade, block sizes and the stop."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     frames = rng.uniform(-1.0, 1.0, (draw(st.integers(1, 300)), 1))
     sizes = draw(st.lists(st.integers(1, 64), min_size=1, max_size=60))

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from set_clock import Clock
 
 from tactometry.devices.outputs.emission_ledger import Ledger
 from tactometry.devices.outputs.guarded import Guarded
@@ -18,19 +19,10 @@ LEAKY = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e6)
 
 
 class Clipping(NullOutput):
-    """Output that emits nothing above 50 V."""
-
     emits = True
 
     def final(self, signal):
         return Signal(np.clip(signal.samples, -50.0, 50.0), signal.rate_hz, signal.unit)
-
-
-class Clock:
-    now_s = 1000.0
-
-    def __call__(self):
-        return self.now_s
 
 
 @pytest.fixture
@@ -70,8 +62,6 @@ def test_end_of_replaced_signal_is_reported_first(clock):
 
 
 class Interrupted(Clipping):
-    """Output that raises an error after its signal has begun."""
-
     error = KeyboardInterrupt
 
     def play(self, signal):

@@ -29,7 +29,6 @@ KINDS = ("serial", "udp", "lsl")
 
 
 def collected(sensor, until):
-    """Read times and values of a sensor until `until` is true."""
     times_s, values = [], []
     end_s = time.monotonic() + 120
     while not until(times_s):
@@ -57,7 +56,6 @@ class Listening:
             each.reader.open()
 
     def _hear(self, kind, block):
-        """Append the arrival time to each sample."""
         if block.times_s.size:
             arrivals_s = np.full(len(block.values), time.perf_counter())
             self._heard[kind].append(SampleBlock(block.times_s, np.column_stack([block.values, arrivals_s])))
@@ -255,7 +253,6 @@ RATE = "found a clock that runs .* times as fast as this computer's, expected wi
     "chosen", [ONE_EACH, pytest.param(tuple(product(KINDS, CLOCKS)), marks=pytest.mark.slow)], ids=["one each", "all"]
 )
 def test_sensor_with_wrong_clock_rate_fails_with_reason(plugged, tmp_path, chosen):
-    """Each of the sensors is detected within seconds and sends no more."""
     devices = []
     for kind, rate in ((kind, rate) for kind, rate in chosen if available(kind)):
         folder = tmp_path / kind / rate
@@ -365,7 +362,6 @@ def stream(request, heard):
 
 
 def lateness_s(block):
-    """Return the delay from sampling to arrival, by the same clock."""
     return since_taken_s(block, block.values[:, -1])
 
 
@@ -374,7 +370,6 @@ def since_taken_s(block, times_s):
 
 
 def test_streams_lose_no_uncounted_samples(stream):
-    """Dropped datagrams are counted, and only late samples are outages."""
     block, facts = stream
     steps = np.diff(block.values[:, 0])
     assert np.all(steps >= 1)
@@ -386,7 +381,6 @@ def test_streams_lose_no_uncounted_samples(stream):
 
 
 def test_stamps_match_sampling_times(stream):
-    """Stamps are between sampling and arrival, except at steps back."""
     block, _ = stream
     steps_back = np.diff(block.times_s, prepend=-np.inf) < 0
     assert np.all((since_taken_s(block, block.times_s) > -2e-3)[1000:] | steps_back[1000:])

@@ -27,7 +27,6 @@ HELD_UP = ("sensor_lost", "output_gap")
 
 
 def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_path):
-    """The experimenter uses a terminal for remarks, pause and repeat."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16"))
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
@@ -74,7 +73,6 @@ def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_pat
 
 
 def follow(terminal, seen):
-    """Read the terminal and type commands in the first trial."""
     orders = [("trial 1: ", "n the finger is dry\nr\np\n"), ("paused", "g\n")]
     while True:
         try:
@@ -86,7 +84,6 @@ def follow(terminal, seen):
 
 
 def test_session_pauses_when_network_sensor_dies(display, tmp_path, in_background):
-    """The trial in which it died is invalid and repeated."""
     study, device = study_in(tmp_path, n_trials=1), Emulator("udp", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
     played, data = tmp_path / "played", tmp_path / "data"
@@ -132,7 +129,6 @@ def events_of(data):
 
 
 def check_events(data, rows):
-    """Check actions, timing and clocks of a valid data set."""
     events = events_of(data)
     kinds = [event["trial_type"] for event in events if event["text"] != "the force sensor is silent"]
     assert [kinds.count(kind) for kind in ("remark", "repeat", "pause", "resume")] == [1, 1, 1, 1]
@@ -166,7 +162,6 @@ def played_signals(folder):
     [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
 )
 def test_killed_session_falls_silent(needed, display, sink, tmp_path, number):
-    """The signal arrives during a stimulus of 20 s."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")
     gain = gain_toml("audio pulse, int16", system_volume=1.0)

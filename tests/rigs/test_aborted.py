@@ -18,7 +18,6 @@ STUDY = RECORDED / "inquiries" / "study.toml"
 
 
 def study_in(folder, **changes):
-    """Write a study of two blocks with three questionnaires."""
     text = STUDY.read_text(encoding="utf-8")
     path = folder / "study.toml"
     path.write_text(changed(text, {"n_attempts = 2": "n_attempts = 1", **changes}), encoding="utf-8")
@@ -70,7 +69,6 @@ def test_advice_differs_when_every_block_aborts(tmp_path, capsys):
 
 @pytest.mark.parametrize(("waver", "asked"), [(0.9, {"sus"}), (0.0, {"sus", "pleasantness-vas"})])
 def test_block_without_valid_touch_has_no_questionnaire(tmp_path, capsys, waver, asked):
-    """The questionnaire at the end of the session is still asked."""
     run(capsys, tmp_path, **{"waver_cv = 0.12": f"waver_cv = {waver}"})
     rows = trial_rows(tmp_path / "d")
     assert {row["valid"] for row in rows if row["task"] == "yes_no"} == {str(int(waver == 0.0))}

@@ -17,7 +17,6 @@ def places(text):
 
 @pytest.mark.parametrize("language", languages())
 def test_every_language_has_the_same_messages(language):
-    """A failure lists the missing and the superfluous messages."""
     english, other = texts_in("en", {}), texts_in(language, {})
     assert sorted(english.labels.keys() ^ other.labels.keys()) == [], f"labels in messages_{language}.toml"
     assert sorted(english.messages.keys() ^ other.messages.keys()) == [], f"messages in messages_{language}.toml"
@@ -193,7 +192,6 @@ def said_in(language):
 
 
 def lacks(language, name, text):
-    """Return the required words that are missing from a text."""
     wanted, text = HELD[language][name], text.casefold()
     if name in ALONE:
         return [] if [text] == wanted else wanted

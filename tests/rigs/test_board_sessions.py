@@ -38,11 +38,9 @@ SHORT = {
 SOON = ('"500 ms"', '"100 ms"')
 WHOLE = {"time-reversal-threshold": 450, "time-reversal-patterns": 7, "hybrid-button": 12}
 """Trials of a session of the built-in study."""
-LOOPED = tuple(WHOLE) if SOAK else ("time-reversal-threshold",)
-"""Studies that run through a terminal device, which is slow: it accepts 4 kB at a time."""
-FIXED = [*((name, way, "") for name in WHOLE for way in ("file", "pipe")), *((name, "loopback", "") for name in LOOPED)]
 WAYS = {"time-reversal-threshold": "loopback", "time-reversal-patterns": "file", "hybrid-button": "pipe"}
-SESSIONS = FIXED + [(name, way, COMMANDED) for name, way, _ in FIXED if SOAK or WAYS[name] == way]
+"""A terminal device accepts 4 kB at a time."""
+SESSIONS = [(name, way, supply) for name, way in WAYS.items() for supply in ("", COMMANDED)]
 """Sessions with a fixed and with a commanded supply."""
 PATIENCE_S = 1000.0 if SOAK else 20.0
 
@@ -119,7 +117,6 @@ def emitted(request, tmp_path, in_background):
     ids=lambda value: "commanded" if value == COMMANDED else None,
 )
 def test_board_receives_requested_signals_in_full_session(name, emitted, more, tmp_path, capsys, monkeypatch):
-    """With SOAK, the complete built-in studies run."""
     path, content = emitted
     bench, study = board_in(tmp_path, path, more=more), name if SOAK else short(name, tmp_path)
     status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study)
@@ -166,30 +163,34 @@ def checked(capsys, monkeypatch, folder, study):
 TRIED = pytest.mark.parametrize("tried", [checked, on_the_console], ids=["check", "run"])
 
 
+ABOVE = (
+    "level: found 30.0 dB re 1 um, a focus of 31.62 um",
+    "lower it, lengthen reversal_s, or raise the supply",
+)
+BELOW = (
+    "level: found 0.3162 V, expected at least 17.89 V, which pulses of 1 sample at the 100 V of the supply",
+    "raise the level or the rate of the board, lower its supply, or let the session set the supply (",
+    "nothing was played",
+)
+
+
 @TRIED
-@pytest.mark.parametrize("more", ["", "lowest_supply_v = 20.0"], ids=["fixed", "commanded"])
-def test_level_above_board_range_is_refused_before_playback(tried, more, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize(
+    ("study", "supply_v", "more", "words", "ran"),
+    [
+        ("time-reversal-threshold", 50.0, "", ABOVE, 3),
+        ("time-reversal-threshold", 50.0, COMMANDED, ABOVE, 3),
+        ("electrovibration-threshold", 100.0, "", BELOW, 2),
+    ],
+    ids=["above fixed", "above commanded", "below fixed"],
+)
+def test_level_outside_board_range_is_refused(tried, study, supply_v, more, words, ran, tmp_path, capsys, monkeypatch):
     (tmp_path / "board").touch()
-    board_in(tmp_path, tmp_path / "board", supply_v=50.0, more=more)
-    status, said, _ = tried(capsys, monkeypatch, tmp_path, short("time-reversal-threshold", tmp_path))
-    assert status == 3, said
+    board_in(tmp_path, tmp_path / "board", supply_v=supply_v, more=more)
+    status, said, _ = tried(capsys, monkeypatch, tmp_path, short(study, tmp_path) if study in SHORT else study)
+    assert status == (ran if tried is on_the_console else 3), said
     assert "Traceback" not in said
-    assert "level: found 30.0 dB re 1 um, a focus of 31.62 um" in said
-    assert "lower it, lengthen reversal_s, or raise the supply" in said
-    assert not list(streams((tmp_path / "board").read_bytes()))
-
-
-@TRIED
-def test_level_below_fixed_supply_is_refused_with_fix(tried, tmp_path, capsys, monkeypatch):
-    (tmp_path / "board").touch()
-    board_in(tmp_path, tmp_path / "board")
-    status, said, _ = tried(capsys, monkeypatch, tmp_path, "electrovibration-threshold")
-    assert status != 0
-    assert (
-        "level: found 0.3162 V, expected at least 17.89 V, which pulses of 1 sample at the 100 V of the supply" in said
-    )
-    assert "raise the level or the rate of the board, lower its supply, or let the session set the supply (" in said
-    assert "nothing was played" in said
+    assert all(each in said for each in words), said
     assert not list(streams((tmp_path / "board").read_bytes()))
 
 
@@ -218,10 +219,7 @@ class Supplying:
 @pytest.mark.parametrize(
     ("closes", "words"),
     [
-        (
-            True,
-            r"board: the board (accepts no more data \(Broken pipe\); the output|had not read a whole stream)",
-        ),
+        (True, r"board: the board (accepts no more data \(Broken pipe\); the output|had not read a whole stream)"),
         (False, "so that it was not played"),
     ],
     ids=["a supply that is refused", "a supply that does not come"],

@@ -83,12 +83,6 @@ def test_practice_levels_are_checked_against_the_board(tmp_path):
         bank_on(wire(study, "s"), board_in(tmp_path, "board"))
 
 
-def test_level_below_board_range_is_refused_before_playback(tmp_path):
-    study, _ = load("electrovibration-threshold")
-    with pytest.raises(InvalidParameter, match="^output, amplitude_modulated.*: level: found .*; nothing was played$"):
-        bank_on(wire(study, "s"), board_in(tmp_path, "board"))
-
-
 def test_stimuli_are_unchanged_without_a_board(tmp_path):
     experiment, bench = wire(load("hybrid-button")[0], "s"), load_bench(None)
     assert board_of(bench.output) is None

@@ -67,8 +67,6 @@ def test_console_states_expected_answer_after_invalid_line(request_, typed, lang
 
 
 class Typed(io.StringIO):
-    """Lines typed at a terminal."""
-
     def isatty(self):
         return True
 

@@ -39,7 +39,6 @@ SHORT = {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "cat
 
 
 def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, changes=SHORT):
-    """Run a session whose stimuli are written into `played`."""
     monkeypatch.setattr("sys.stdin", io.StringIO(answers))
     file_bench(folder, duty)
     words = ("run", tutorial_in(folder, changes), "--participant", "P01", "--rig", "console", "--out", folder / "d")

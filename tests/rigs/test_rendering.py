@@ -12,7 +12,6 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.console import Console
 from tactometry.rigs.device_rig import Equipment
-from tactometry.rigs.emitter import render
 from tactometry.rigs.pages.page import Display
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
@@ -48,12 +47,3 @@ def test_every_rig_suggests_nearest_stimulus_name(rig_with):
 def test_every_rig_enforces_study_limits(rig_with):
     with pytest.raises(LimitExceeded, match=r"limits\.voltage_peak_v: .*nothing was played"):
         rig_with(TIGHT).answer(Play("tone", 20.0, 1.0))
-
-
-def test_bench_refuses_an_output_without_limits():
-    with pytest.raises(LimitExceeded, match=r"output 'null': found no limits, .*nothing was played"):
-        Bench(Display(), Equipment(Guarded(NullOutput(), None), BANK, Limits(1000.0)), texts_in("en", {}))
-
-
-def test_render_returns_stimulus_signal_at_level():
-    assert render(BANK, "tone", 20.0, None).digest() == BANK["tone"].at(20.0).digest()

@@ -32,7 +32,6 @@ def held_up(process, for_s):
 
 
 def test_gap_during_stimulus_invalidates_its_trial(needed, display, sink, tmp_path):
-    """The sound server of a window session stalls during the first stimulus."""
     study, device = study_in(tmp_path, n_trials=1), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio pulse, int16", system_volume=1.0))
@@ -164,7 +163,6 @@ def heard_while_held_up(output, sink, after_s, for_s):
 
 
 def test_near_underrun_is_reported_as_gap(output, sink):
-    """The stall nearly empties the 0.1 s buffer; the signal may be intact."""
     end_s = output.play(tone(0.5)) + 0.5
     time.sleep(0.2)
     held_up(sink.server, 0.08)

@@ -39,7 +39,6 @@ class Seen:
         self.data = b""
 
     def rows(self):
-        """Return the rows that are not empty."""
         while select.select([self.master], [], [], 0)[0]:
             try:
                 data = os.read(self.master, 4096)
@@ -59,7 +58,6 @@ class Seen:
 
 @pytest.fixture
 def desk(monkeypatch):
-    """A live terminal, its rendered screen, and its file descriptor."""
     monkeypatch.setenv("TERM", "xterm")
     master, slave = pty.openpty()
     termios.tcsetwinsize(slave, (HIGH, 100))
@@ -239,7 +237,6 @@ def sitting(display, tmp_path):
 
 
 def test_status_line_stays_whole_during_a_session(sitting):
-    """The experimenter types while the participant answers in the window."""
     statuses = set()
 
     def note(rows):

@@ -67,7 +67,6 @@ def test_sound_stops_on_error(scene, in_background):
 
 @pytest.mark.usefixtures("unhurried_sensors")
 def test_sound_ends_with_the_touch(scene):
-    """The stimulus ends with its touch, at zero."""
     assert scene.bench.answer(Press("short", 1.0, 0.5, 1.0, 0.2, hold_s=0.1, timeout_s=30.0)).valid
     n_whole = round(0.5 * RATE_HZ)
     assert n_whole - 10 <= scene.heard("short") <= n_whole

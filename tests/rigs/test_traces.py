@@ -3,7 +3,6 @@
 import gzip
 import io
 import json
-import shlex
 import shutil
 import subprocess
 import sys
@@ -54,7 +53,6 @@ def words(folder, device, bench="", out="d", changes=None):
 
 
 def sit(folder, capsys, monkeypatch, **how):
-    """Run such a session, answering 1 each time; return status and errors."""
     device = Emulator("udp", folder, profile=PROFILE)
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
     try:
@@ -65,7 +63,6 @@ def sit(folder, capsys, monkeypatch, **how):
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """A data set with traces; read-only."""
     folder = tmp_path_factory.mktemp("recorded")
     with pytest.MonkeyPatch.context() as patch:
         silent = SimpleNamespace(readouterr=lambda: SimpleNamespace(out="", err=""))
@@ -248,49 +245,3 @@ def test_samples_before_a_touch_are_excluded():
     kept = tracer.kept(Adjusted(3.0, 2.0, 1.0))
     [(kind, table)] = log.traces
     assert (kind, table.tolist(), len(kept.trace)) == ("force", [[1.5, 6.0]], 1)
-
-
-FILL_DISK = """
-import io, sys, shutil
-from tactometry.cli import main
-disk, kept, words = sys.argv[1], sys.argv[2], sys.argv[3:]
-sys.stdin = io.StringIO("1\\n" * 1000)
-try:
-    main(["run", *words, "--out", f"{disk}/d"])
-except SystemExit as end:
-    print("status", end.code, file=sys.stderr)
-shutil.copytree(f"{disk}/d", kept)
-"""
-
-
-@pytest.mark.slow
-def test_full_disk_loses_no_trial(tmp_path, capsys, monkeypatch):
-    """The small disk is in a mount namespace, which ends with its process."""
-    device, script, disk = Emulator("udp", tmp_path, profile=PROFILE), tmp_path / "fill.py", tmp_path / "disk"
-    disk.mkdir()
-    script.write_text(FILL_DISK)
-    *rest, _, _ = map(str, words(tmp_path, device, changes={"repeats = 4": "repeats = 60"}))
-    mounted = f"mount -t tmpfs -o size=100k tmpfs {disk} || exit 77; exec "
-    run = shlex.join([sys.executable, str(script), str(disk), str(tmp_path / "kept"), *rest])
-    try:
-        done = subprocess.run(
-            ["unshare", "--mount", "sh", "-c", mounted + run], capture_output=True, text=True, check=False, timeout=600
-        )
-        if done.returncode in (1, 77) and "status" not in done.stderr:
-            pytest.skip("mounting a small disk needs the rights of root")
-        said = [line for line in done.stderr.splitlines() if line.startswith(("tactometry: ", "status "))]
-        assert said[-1] == "status 3", done.stderr
-        (sentence,) = said[:-1]
-        assert "No space left on device), expected free disk space; all earlier trials are safe; free" in sentence
-        assert "Traceback" not in done.stderr
-        n_before = len(trial_rows(tmp_path / "kept"))
-        assert validate(tmp_path / "kept").defects == ()
-        monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 1000))
-        status, errors, _ = call(capsys, "run", *rest, "--out", tmp_path / "kept", "--resume")
-    finally:
-        device.close()
-    assert status == 0, errors
-    rows = trial_rows(tmp_path / "kept")
-    assert len(rows) > n_before >= 3
-    assert validate(tmp_path / "kept").defects == ()
-    assert all(len(touch.force.times_s) for row in rows for touch in read_traces(tmp_path / "kept", int(row["trial"])))

@@ -29,7 +29,6 @@ from tactometry.devices.sensors.serial_line import SYNC, Frame
 from tactometry.devices.sensors.udp import BEGIN, END, RECORD
 
 RATE_HZ = 1000.0
-LSL_CLOCKS = {}
 
 
 def samples(asked):

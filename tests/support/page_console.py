@@ -53,16 +53,9 @@ def _own(words: list[str]) -> tuple[int, str]:
 
 def _of_the_shell(line: str) -> tuple[int, str]:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        ["bash", "-c", line],
-        env={**os.environ, "PATH": path},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        stdin=subprocess.DEVNULL,
-        text=True,
-        check=False,
-        timeout=LONGEST_PROGRAM_S,
-    )
+    env, ends = {**os.environ, "PATH": path}, {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    ends |= {"stdin": subprocess.DEVNULL, "timeout": LONGEST_PROGRAM_S}
+    done = subprocess.run(["bash", "-c", line], env=env, text=True, check=False, **ends)
     return done.returncode, done.stdout
 
 

@@ -26,14 +26,8 @@ def noise(n_channels, rate_hz, duration_s):
 
 
 def settings(asked):
-    return AudioSettings(
-        asked["rate_hz"],
-        asked["device"],
-        tuple(range(asked["n_channels"])),
-        "int16",
-        latency_s=asked.get("latency_s", 0.05),
-        shared=True,
-    )
+    channels, latency_s = tuple(range(asked["n_channels"])), asked.get("latency_s", 0.05)
+    return AudioSettings(asked["rate_hz"], asked["device"], channels, "int16", latency_s=latency_s, shared=True)
 
 
 def frames(asked):

@@ -12,42 +12,21 @@ from tactometry.session.request import MISSED_LABELS
 
 FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx", "en"), ("pleasantness-vas", "en"))
 
+LEFT = (
+    *("welcome", "instructions_yes_no", "instructions_forced_choice", "block", "questions", "questions_first"),
+    *("consent", "declined", "practice", "rest", "dry_run_held", "dry_run_lost", "end"),
+)
+"""Messages that the participant leaves by a key."""
+TIMED = ("key_test", "resting", "pause", "stopped")
+
 
 def message_pages(texts, aspect):
-    values = {
-        "stop": texts.label("escape"),
-        "experimenter": texts.label("experimenter"),
-        "block": 2,
-        "n_blocks": 21,
-        "part": 2,
-        "n_parts": 21,
-        "n_questions": 28,
-        "n_keys": 3,
-        "within_s": 10.0,
-    }
-    names = [
-        "welcome",
-        "instructions_yes_no",
-        "instructions_forced_choice",
-        "block",
-        "questions",
-        "questions_first",
-        "consent",
-        "declined",
-        "practice",
-        "rest",
-        "dry_run_held",
-        "dry_run_lost",
-        "end",
-    ]
+    values = {"block": 2, "n_blocks": 21, "part": 2, "n_parts": 21, "n_questions": 28, "n_keys": 3, "left_s": 25}
+    values |= {"stop": texts.label("escape"), "experimenter": texts.label("experimenter"), "within_s": 10.0}
     hint = texts.message("hint_continue")
-    pages = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}
-    key_test = layout.message_page(texts.message("key_test", values), "", aspect)
-    resting = layout.message_page(texts.message("resting", {"left_s": 25}), "", aspect)
-    progress = layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)
-    pause = layout.message_page(texts.message("pause"), "", aspect)
-    stopped = layout.message_page(texts.message("stopped", values), "", aspect)
-    return pages | {"key_test": key_test, "resting": resting, "block": progress, "pause": pause, "stopped": stopped}
+    left = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in LEFT}
+    timed = {name: layout.message_page(texts.message(name, values), "", aspect) for name in TIMED}
+    return left | timed | {"block": layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)}
 
 
 def picture_pages(texts, aspect):

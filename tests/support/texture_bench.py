@@ -85,15 +85,8 @@ def console_session(study, bench, out, env, n_answers=50):
     """Run a session at a console; return its status, output and errors."""
     words = ["run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", out]
     command = [sys.executable, "-m", "tactometry", *map(str, words)]
-    done = subprocess.run(
-        command,
-        input="1\n" * n_answers,
-        capture_output=True,
-        text=True,
-        env=env,
-        timeout=LONGEST_PROGRAM_S,
-        check=False,
-    )
+    pipes = {"input": "1\n" * n_answers, "capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
+    done = subprocess.run(command, env=env, check=False, **pipes)
     return done.returncode, done.stdout, done.stderr
 
 

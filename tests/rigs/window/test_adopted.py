@@ -23,7 +23,6 @@ LOOKS = {
 
 @pytest.fixture(scope="module")
 def theirs(display):
-    """The window of a PsychoPy script."""
     from tactometry.rigs.window import load_psychopy
 
     psychopy = load_psychopy()
@@ -35,7 +34,6 @@ def theirs(display):
 
 @pytest.fixture(params=LOOKS)
 def scene(theirs, request):
-    """The script's window with changed settings and a drawn stimulus."""
     from psychopy import visual
 
     for name, value in ({"viewScale": None, "viewPos": None, "viewOri": 0.0} | LOOKS[request.param]).items():

@@ -17,7 +17,6 @@ from tactometry.rigs.texts import languages
 
 @pytest.mark.parametrize("language", languages())
 def test_pages_fit_the_screen_with_high_contrast(screen, artefacts, language):
-    """The pictures are saved for inspection."""
     for name, page in all_pages(language, screen.aspect).items():
         image = screen.picture(page)
         image.save(artefacts / f"window_{language}_{name}.png")
@@ -30,7 +29,6 @@ def test_pages_fit_the_screen_with_high_contrast(screen, artefacts, language):
 @pytest.mark.soak  # the other pages and sizes are slow to draw in software
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080), (3840, 2160)], ids=str)
 def test_pages_fit_screens_of_other_sizes(display, artefacts, width, height):
-    """Each size has a separate display; the pictures are saved for inspection."""
     command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", sys.executable, screens.__file__]
     folder = artefacts / f"{width}x{height}"
     subprocess.run([*command, str(width), str(height), str(folder)], check=True, timeout=LONGEST_PROGRAM_S)
@@ -46,7 +44,6 @@ def pixels(screen, page):
 
 
 def plainly(canvas, item):
-    """Return the PsychoPy stimulus of an item at its position."""
     if isinstance(item, Text):
         return canvas._text(item)
     look, size = canvas._look(item)

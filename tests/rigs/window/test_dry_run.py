@@ -57,7 +57,6 @@ def told(page):
 
 
 def shown(watched, name):
-    """Return the number of pages that show a message."""
     words = ENGLISH[name].strip().partition("\n\n")[0]
     return sum(words in told(page) for page in watched.pages)
 

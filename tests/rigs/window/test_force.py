@@ -6,11 +6,10 @@ import time
 from contextlib import suppress
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from hard_cases import exact_case
 from patience import LONGEST_WAIT_S
-from sampled import Passing, force_sensor
+from sampled import Passing, Sampled, force_sensor
 
 from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
@@ -44,8 +43,6 @@ def bench_with(watched, output, log):
 
 
 class Slow(Passing):
-    """An output that starts late."""
-
     def __init__(self, output, takes_s):
         super().__init__(output)
         self._takes_s, self.begins = takes_s, threading.Event()
@@ -71,8 +68,7 @@ def test_stimulus_waits_for_held_force(bench_with, log):
 
 
 def test_unheld_force_times_out_without_playback(bench_with, log):
-    request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.2, timeout_s=0.6)
-    touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).answer(request)
+    touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).answer(replace(PRESS, timeout_s=0.6))
     assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
     assert touched.invalid_reason == "timeout"
     assert log == ["output.open"]
@@ -100,7 +96,7 @@ def test_output_stops_when_sensor_thread_hangs(bench_with, log):
         return 1.0
 
     hung = threading.Event()
-    touched = bench_with(hangs).answer(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0))
+    touched = bench_with(hangs).answer(replace(PRESS, duration_s=600.0))
     hung.set()
     assert not touched.valid
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
@@ -135,34 +131,19 @@ def test_touch_with_target_force_above_limit_is_refused(bench_with, log):
     assert "play 5 V" not in log
 
 
-class Fast:
+class Fast(Sampled):
     """A sensor whose time stamps run faster than the session clock."""
 
-    name, n_channels, rate_hz = "fast", 1, 1000.0
-
     def __init__(self, rate):
+        super().__init__(lambda time_s: 1.0)
         self._rate = rate
 
-    def open(self):
-        self._zero_s, self._n_read = time.perf_counter(), 0
-
     def receive(self):
-        time.sleep(2e-3)
-        n_due = int((time.perf_counter() - self._zero_s) * 1000)
-        stamps_s = self._zero_s + self._rate * np.arange(self._n_read, n_due) / 1000
-        self._n_read = n_due
-        return SampleBlock(stamps_s, np.ones((len(stamps_s), 1)))
-
-    def close(self):
-        pass
-
-    def facts(self):
-        return {}
+        block = super().receive()
+        return block and SampleBlock(self.zero_s + self._rate * (block.times_s - self.zero_s), block.values)
 
 
 class Timed(Passing):
-    """An output that records its playback times."""
-
     def __init__(self, output):
         super().__init__(output)
         self.played_s = []
@@ -180,17 +161,16 @@ def test_fast_stamps_do_not_open_gate_early(watched, output, participant, rate):
     participant.answers(1.0, "Escape")
     begin_s = time.perf_counter()
     with suppress(Stopped):
-        bench.answer(Press("tone", 5.0, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.3, timeout_s=60.0))
+        bench.answer(replace(PRESS, duration_s=60.0, hold_s=0.3, timeout_s=60.0))
     bench.close()
     assert all(played_s >= begin_s + 0.3 for played_s in timed.played_s)
     assert len(timed.played_s) == (rate < 1.3)
 
 
-STUCK = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=0.8)
+STUCK = replace(PRESS, timeout_s=0.8)
 
 
 def test_stuck_force_plays_nothing(bench_with, log, watched):
-    """The sensor is stuck from the start, so the page asks to lift the finger."""
     touched = bench_with(lambda time_s: 1.0, release=True).answer(STUCK)
     assert (touched.valid, touched.invalid_reason) == (False, "timeout")
     assert log == ["output.open"]
@@ -237,7 +217,7 @@ def test_gate_delay_is_unaffected_by_later_force(bench_with, log, kept):
     left = iter([0.7] * 50)
     bench = bench_with(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, kept=kept)
     begin_s = bench._done().at_s
-    touched = bench.answer(Press("tone", 5.0, 0.8, 1.0, 0.2, hold_s=0.1, timeout_s=5.0))
+    touched = bench.answer(replace(PRESS, duration_s=0.8, hold_s=0.1))
     bench.answer(Record(TRIAL))
     bench.answer(Wait(0.0))
     assert touched.valid
@@ -259,16 +239,14 @@ def test_escape_closes_output_then_sensor_then_screen(bench_with, participant, l
 
 
 def test_stimulus_starting_at_timeout_is_valid(bench_with, output, log):
-    request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=0.4)
-    touched = bench_with(held_from(0.0, 1.0), Slow(output, 1.0)).answer(request)
+    bench = bench_with(held_from(0.0, 1.0), Slow(output, 1.0))
+    touched = bench.answer(replace(PRESS, hold_s=0.1, timeout_s=0.4))
     assert touched.digest == TONE.at(5.0).digest()
     assert touched.valid
     assert log == ["output.open", "play 5 V", "output.stop"]
 
 
 class Failing(Passing):
-    """A screen that fails while an output starts."""
-
     def __init__(self, screen, output):
         super().__init__(screen)
         self._output = output
@@ -305,11 +283,6 @@ def test_ungated_interval_restarts_after_sensor_loss(bench_with, log, lost):
     assert played.digest == TONE.at(5.0).digest()
 
 
-def test_ungated_interval_plays_once_with_working_sensor(bench_with, log):
-    bench_with(lambda time_s: 1.0).answer(Play("tone", 5.0, 0.3))
-    assert log == ["output.open", "play 5 V"]
-
-
 def test_adjustment_restarts_after_sensor_loss(bench_with, log, participant):
     said, again = iter([None] * 300), threading.Event()
 
@@ -328,7 +301,6 @@ def test_adjustment_restarts_after_sensor_loss(bench_with, log, participant):
 
 
 def test_next_touch_shows_why_last_was_invalid(bench_with, watched):
-    """The reason is not shown after another page or after a valid touch."""
     told = "Too light: press more, until the bar stays between the lines"
     bench = bench_with(lambda time_s: 1.0)
 

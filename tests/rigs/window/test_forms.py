@@ -74,7 +74,7 @@ def test_leaving_incomplete_page_requires_separate_key(bench, participant, watch
     def refresh(page):
         if hint in {getattr(item, "words", None) for item in page.items}:
             asked.set()
-        return watched._window.refresh(page)
+        return watched.wrapped.refresh(page)
 
     watched.refresh = refresh
     participant.answers("4", "0", "Return", asked, "0")

@@ -46,7 +46,6 @@ def with_rests():
 
 
 def of_two_pages():
-    """Return a study with slides, a form and a final two-page questionnaire."""
     study = shortened("hybrid-button")
     study = re.sub(r"\[variants\.feedback\.(time_reversal|both)[\s\S]*?(?=\n\n)", "", study)
     return changed(study, {'["time_reversal", "electrovibration", "both"]': '["electrovibration"]', **ONE})
@@ -62,7 +61,6 @@ def set_by_hand():
 
 
 def with_consent():
-    """Return a study that first asks for consent, then about the person."""
     first = '[inquiries.person]\nform = "realism-likert"\nafter = "start"\n'
     return f"consent = true\n{shortened('tutorial')}\n{first}".replace("levels = [22, 40]", "levels = [40]")
 
@@ -121,8 +119,6 @@ class Turns:
 
 @dataclass(frozen=True)
 class Killed:
-    """A page on which the session was killed."""
-
     seen: Seen
     picture: np.ndarray
     n_answered: int
@@ -158,7 +154,6 @@ def journal_of(data):
 
 
 def n_answered(data):
-    """Count the answered requests in the journal of a killed session."""
     return sum(line.startswith(b'{"request"') for line in journal_of(data).read_bytes().splitlines())
 
 
@@ -205,7 +200,6 @@ def killed_on_each_page(seat, turns):
 
 @contextmanager
 def stopping(process):
-    """Kill a process when the context ends."""
     try:
         yield process
     finally:

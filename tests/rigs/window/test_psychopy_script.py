@@ -70,7 +70,6 @@ def test_script_data_load_with_documented_column_map(sitting):
 
 @pytest.fixture
 def study(screen):
-    """A study in a window of this process, without an output."""
     with PsychoPyStudy(screen._window, "tutorial") as made:
         yield made
 

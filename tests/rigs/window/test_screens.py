@@ -56,7 +56,6 @@ window.close()
 
 @pytest.fixture(scope="module")
 def two_screens(tmp_path_factory):
-    """Environment variables for a server with two monitors."""
     if find_spec("psychopy") is None or shutil.which("Xvfb") is None:
         pytest.skip("no psychopy or no Xvfb")
     read_end, write_end = os.pipe()

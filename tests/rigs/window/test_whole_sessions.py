@@ -56,7 +56,6 @@ def test_simulated_finger_completes_session_from_pixels(display, capsys, tmp_pat
 
 
 def shows_its_keys(finger, language, study):
-    """Check that choices show the first letters of their labels, or digits."""
     words = tomllib.loads((FOLDER / f"messages_{language}.toml").read_text("utf-8"))["labels"]
     letters = tuple(words[name][0].upper() for name in ("no", "yes")) if '"yes_no"' in study else ("1", "2", "3")
     assert {said.keys for said in finger.said if said.kind == "question"} <= {letters}
