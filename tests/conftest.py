@@ -24,9 +24,10 @@ from patience import LONGEST_WAIT_S
 from sampled import Passing
 from scratch import write_in_memory
 from soak import SOAK
-from sound_server import alsa, server, sink
+from sound_server import alsa, portaudio, server, sink
 
-__all__ = ["alsa", "calibrate", "journal", "needed", "pytest_addoption", "pytest_sessionfinish", "server", "sink"]
+__all__ = ["alsa", "calibrate", "journal", "needed", "portaudio", "pytest_addoption", "pytest_sessionfinish"]
+__all__ += ["server", "sink"]
 
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))
 settings.register_profile("reduced", deadline=None, max_examples=100, derandomize=True)

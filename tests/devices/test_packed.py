@@ -246,6 +246,23 @@ def test_board_plays_next_stream_after_a_cut_one(tmp_path, in_background):
     assert decode(got[1][: -len(SILENCE)]).digest() == SHORT.digest()
 
 
+def test_board_that_closes_its_pipe_is_reported(tmp_path, in_background):
+    pipe = tmp_path / "board"
+    os.mkfifo(pipe)
+
+    def read_a_part():
+        with pipe.open("rb", buffering=0) as line:
+            line.read(1000)
+
+    in_background(read_a_part)
+    output = output_to(pipe)
+    output.play(LONG)
+    time.sleep(LONG.duration_s)
+    with pytest.raises(DeviceFailed, match=r"the board accepts no more data \(Broken pipe\); the output stopped"):
+        output.stop()
+    output.close()
+
+
 def test_pipe_without_reader_is_refused_after_time_limit(tmp_path, monkeypatch):
     monkeypatch.setattr("tactometry.devices.outputs.packed.OPEN_WITHIN_S", 0.2)
     os.mkfifo(tmp_path / "board")

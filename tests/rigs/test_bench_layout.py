@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 
 from tactometry.rigs.keyboard import FreshPresses
 from tactometry.rigs.pages import entry, form, layout
-from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
+from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page, Text
 from tactometry.session.request import value_at
 
 ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]
@@ -65,6 +65,7 @@ def test_displayed_letter_selects_its_answer_on_every_keyboard(keyboard):
         page = layout.question_page("?", (0, 1), (first * 2, second * 2), "hint", 1.6)
         for button in page.buttons:
             shown = button.keys[0]
+            assert Text in {type(item) for item in page.items if getattr(item, "words", "") == shown.upper()}
             assert page.answer(KeyDown(US_KEY_OF[keyboard].get(shown, shown), 0.0)) == button.answer
 
 

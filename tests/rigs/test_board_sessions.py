@@ -2,11 +2,9 @@
 
 import io
 import os
-import re
 import threading
 from contextlib import suppress
 
-import numpy as np
 import pytest
 from command_line import call
 from one_bit_board import COMMANDED, LOWEST_V, SUPPLY_V, board_in, check_decoded
@@ -192,57 +190,3 @@ def test_level_outside_board_range_is_refused(tried, study, supply_v, more, word
     assert "Traceback" not in said
     assert all(each in said for each in words), said
     assert not list(streams((tmp_path / "board").read_bytes()))
-
-
-class Supplying:
-    """A board on a pipe that cannot lower its supply below a given voltage.
-
-    When a stream requests less, the board closes the pipe or stops reading from it.
-    """
-
-    def __init__(self, pipe, lowest_v, *, closes):
-        self.pipe, self.lowest_v, self.closes = pipe, lowest_v, closes
-        self.n_played, self.ended = 0, threading.Event()
-
-    def run(self):
-        with self.pipe.open("rb") as line:
-            while header := line.read(HEADER_BYTES):
-                [supply_v], n_samples = np.frombuffer(header[24:32]), int.from_bytes(header[32:40], "little")
-                if n_samples and supply_v < self.lowest_v:
-                    break
-                line.read(n_samples * int.from_bytes(header[8:10], "little") * word_bytes(33))
-                self.n_played += n_samples > 0
-            if header and not self.closes:
-                self.ended.wait(PATIENCE_S)
-
-
-@pytest.mark.parametrize(
-    ("closes", "words"),
-    [
-        (True, r"board: the board (accepts no more data \(Broken pipe\); the output|had not read a whole stream)"),
-        (False, "so that it was not played"),
-    ],
-    ids=["a supply that is refused", "a supply that does not come"],
-)
-def test_session_ends_without_data_loss_when_supply_fails(closes, words, tmp_path, capsys, monkeypatch, in_background):
-    """Regression: trials were valid although the board had no supply."""
-    pipe, study = tmp_path / "board", short("time-reversal-threshold", tmp_path)
-    os.mkfifo(pipe)
-    board_in(tmp_path, pipe, more=COMMANDED)
-    failing = Supplying(pipe, 60.0, closes=closes)
-    in_background(failing.run)
-    status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study)
-    failing.ended.set()
-    assert status == 3, said
-    assert re.search(words, said), said
-    assert "Traceback" not in said
-    kept = trial_rows(tmp_path / "d")
-    assert {row["level"] for row in kept if row["valid"] == "1"} <= {"26", "30"}  # of 63 and 100 V
-    sound = Supplying(pipe, LOWEST_V * (1 - 1e-9), closes=True)
-    in_background(sound.run)
-    status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study, "--resume")
-    assert status == 0, said
-    rows = trial_rows(tmp_path / "d")
-    assert len(kept) < len(rows)
-    assert rows[: len(kept)] == kept
-    assert call(capsys, "validate", tmp_path / "d")[0] == 0

@@ -66,21 +66,12 @@ def test_gap_during_stimulus_invalidates_its_trial(needed, display, sink, tmp_pa
 
 
 @pytest.fixture
-def output(needed, sink, monkeypatch):
-    import sounddevice
-
-    for name, value in sink.env.items():
-        monkeypatch.setenv(name, value)
-    sounddevice._terminate()
-    sounddevice._initialize()
+def output(portaudio):
     made = AudioOutput(AudioSettings(48e3, "pulse", latency_s=0.1, shared=True), Gain(50.0, 1.0))
     made.open()
     time.sleep(0.3)
     yield made
     made.close()
-    sounddevice._terminate()
-    monkeypatch.undo()
-    sounddevice._initialize()
 
 
 def tone(duration_s):

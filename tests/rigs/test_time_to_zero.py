@@ -14,19 +14,10 @@ from tactometry.session.request import Press
 
 
 @pytest.fixture
-def driver(sink, monkeypatch):
-    """An audio driver for the sink; PortAudio restarts in its environment."""
-    sounddevice = pytest.importorskip("sounddevice")
-    for name in ("ALSA_CONFIG_PATH", "PULSE_SERVER"):
-        monkeypatch.setenv(name, sink.env[name])
-    sounddevice._terminate()
-    sounddevice._initialize()
-    yield Noting(
+def driver(portaudio):
+    return Noting(
         player.settings({"rate_hz": RATE_HZ, "n_channels": 2, "device": "pulse", "latency_s": 0.2}).driver(player.GAIN)
     )
-    sounddevice._terminate()
-    monkeypatch.undo()
-    sounddevice._initialize()
 
 
 @pytest.fixture

@@ -1,18 +1,15 @@
 """Recorded force and position traces of each touch."""
 
-import gzip
 import io
 import json
 import shutil
-import subprocess
-import sys
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from benches import FILE_BENCH, UDP_HAND
 from command_line import call, output
-from emulated import Emulator, wait_for
+from emulated import Emulator
 from kept_events import Kept
 from study_texts import tutorial_in
 from tables import trial_rows
@@ -197,42 +194,6 @@ def test_validate_rejects_trace_path_outside_traces_folder(copied, capsys):
     status, _, said = call(capsys, "validate", copied)
     assert status == 1
     assert "found a trace in 'traces/../study.toml', expected a part of a file in the folder traces" in said
-
-
-def named(root):
-    """Return the size of the force traces of the first trial, in bytes."""
-    return sum(part.n_bytes for part in read_traces(root, 1)[0].answer.trace if "force" in part.file)
-
-
-def test_killed_session_keeps_traces_of_all_trials(tmp_path, capsys, monkeypatch):
-    device = Emulator("udp", tmp_path, profile=PROFILE)
-    command = [sys.executable, "-m", "tactometry", "run", *words(tmp_path, device)]
-    try:
-        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        process.stdin.write(b"1\n")
-        process.stdin.flush()
-        force = tmp_path / "d" / "traces" / "participant-P01_session-1_study-tutorial_recording-force_physio.tsv.gz"
-        wait_for(lambda: len(trial_rows(tmp_path / "d")) == 1 or process.poll() is not None)
-        n_bytes = named(tmp_path / "d")
-        wait_for(lambda: force.stat().st_size > n_bytes or process.poll() is not None)
-        assert process.poll() is None
-        process.kill()
-        process.communicate()
-        with force.open("ab") as file:
-            file.write(b"\x1f\x8b\x08\x00")  # an incomplete gzip member
-        monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
-        status, errors, _ = call(capsys, "run", *words(tmp_path, device), "--resume")
-    finally:
-        device.close()
-    assert status == 0, errors
-    assert validate(tmp_path / "d").defects == ()
-    rows = trial_rows(tmp_path / "d")
-    assert all(len(read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s) > 100 for row in rows)
-    for row in rows:  # the session clock continues after the resume
-        times_s, onset_s = read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s, float(row["onset_s"])
-        assert times_s[0] < onset_s < times_s[-1] + 1.0
-    with gzip.open(force) as file:
-        assert file.read().count(b"\n") >= 100 * (len(rows) + 1)  # including the touch of the interrupted trial
 
 
 def test_samples_before_a_touch_are_excluded():

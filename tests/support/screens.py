@@ -1,7 +1,4 @@
-"""All pages of the participant, and `python screens.py WIDTH HEIGHT FOLDER`: pictures of them on such a screen."""
-
-import sys
-from pathlib import Path
+"""All pages of the participant."""
 
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
@@ -108,20 +105,3 @@ def every_page(aspect):
     found |= {f"form_{name}_{lang}": form_pages(name, lang, aspect)[0] for name, lang in FORMS}
     bar = layout.bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), aspect, BAR_PART)
     return found | {"entry": entry_page(aspect), "bar": bar}
-
-
-def main(width, height, folder):
-    """Picture every page in a window of this size on the display that is there."""
-    from tactometry.rigs.window import Window
-
-    folder.mkdir(parents=True, exist_ok=True)
-    window = Window(fullscreen=False, size=(width, height))
-    for name, page in every_page(window.aspect).items():
-        picture = window.picture(page)
-        assert picture.size == (width, height), picture.size
-        picture.save(folder / f"{name}.png")
-    window.close()
-
-
-if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))

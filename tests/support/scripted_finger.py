@@ -52,13 +52,11 @@ class Eye:
 
 @dataclass(frozen=True)
 class Said:
-    """An answer: `kind` of page, which of `n` places or choices from the left (or the number that was typed), and the
-    keys that the choices showed."""
+    """An answer: `kind` of page, and which of `n` places or choices from the left (or the number that was typed)."""
 
     kind: str
     value: int
     n: int = 0
-    keys: tuple[str, ...] = ()
 
 
 @dataclass
@@ -80,18 +78,7 @@ class Pursuit:
 
 
 class Finger:
-    """A participant at one display.
-
-    Parameters
-    ----------
-    hands : Hands
-        Press keys and move the pointer.
-    eye : Eye
-    rng : numpy.random.Generator
-        Draws the answers, and whether they are given by key or pointer.
-    sensor : Emulator, optional
-        At which its finger is, with `--steered`.
-    """
+    """A participant at one display, whose answers a generator draws; `sensor` is a steered emulator or None."""
 
     def __init__(self, hands, eye, rng, sensor=None):
         self._hands, self._eye, self._rng, self._sensor = hands, eye, rng, sensor
@@ -199,11 +186,8 @@ class Finger:
     def _choose(self, seen):
         self._note("question")
         choice = int(self._rng.integers(len(seen.choices)))
-        self.said.append(Said("question", choice, len(seen.choices), seen.keys))
-        if self._rng.random() < 0.5:
-            self._click(seen.choices[choice])
-        else:
-            self._hands.tap(seen.keys[choice].lower())
+        self.said.append(Said("question", choice, len(seen.choices)))
+        self._click(seen.choices[choice])
         return True
 
     def _fill(self, seen):

@@ -36,6 +36,20 @@ def sink(server):
     return server
 
 
+@pytest.fixture
+def portaudio(sink, monkeypatch):
+    """PortAudio in this process, restarted in the environment of the sink."""
+    sounddevice = pytest.importorskip("sounddevice")
+    for name, value in sink.env.items():
+        monkeypatch.setenv(name, value)
+    sounddevice._terminate()
+    sounddevice._initialize()
+    yield
+    sounddevice._terminate()
+    monkeypatch.undo()
+    sounddevice._initialize()
+
+
 def heard_part(frames):
     heard = np.flatnonzero(frames.any(axis=1))
     assert len(heard), "the sink heard nothing"

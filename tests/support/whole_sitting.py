@@ -35,19 +35,7 @@ SENSORS = {
 
 
 class Sitting:
-    """A participant and the bench; `run` starts a session.
-
-    Parameters
-    ----------
-    folder : Path
-        Of study, bench file and data set.
-    study, language : str
-        The text of the study file, and what its pages are written in.
-    hands, eye, sensor
-        Of the participant.
-    dry_run : bool
-        Whether touches are explained and tried before the first one.
-    """
+    """A folder with the text of a study and a bench, and a participant; `run` starts a session."""
 
     def __init__(self, folder, study, language, hands, eye, sensor, *, dry_run):
         self.dry_run = dry_run
@@ -55,17 +43,16 @@ class Sitting:
         self._hands, self._eye, self._sensor = hands, eye, sensor
         self.study = folder / "s.toml"
         self.study.write_text(study, encoding="utf-8")
-        told = BENCH.format(language=language, dry_run=str(dry_run).lower(), sensor=SENSORS[sensor.kind].format(sensor))
-        (folder / "bench.toml").write_text(told, encoding="utf-8")
+        device = SENSORS[sensor.kind].format(sensor)
+        bench = BENCH.format(language=language, dry_run=str(dry_run).lower(), sensor=device)
+        (folder / "bench.toml").write_text(bench, encoding="utf-8")
 
     def run(self, *more):
-        """Start the process of a session."""
         self._eye.cover()
         words = ("run", self.study, "--participant", "P01", "--seed", 3, "--bench", self.folder / "bench.toml")
         return tactometry(*words, "--out", self.data, *more)
 
     def finger(self, rng):
-        """Who takes part."""
         return Finger(self._hands, self._eye, rng, self._sensor)
 
 

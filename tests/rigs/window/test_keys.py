@@ -41,18 +41,9 @@ window.close()
 
 def test_key_queue_survives_many_presses(display, tmp_path):
     """PsychoPy's default queue crashes after 5000 unread presses."""
-    environment = {
-        **os.environ,
-        "HOME": str(tmp_path),
-        "PYTHONPATH": os.pathsep.join([str(ROOT / "tests" / "support"), *sys.path]),
-    }
-    ran = subprocess.run(
-        [sys.executable, "-c", SCRIPT],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=LONGEST_PROGRAM_S,
-    )
+    paths = os.pathsep.join([str(ROOT / "tests" / "support"), *sys.path])
+    environment = {**os.environ, "HOME": str(tmp_path), "PYTHONPATH": paths}
+    pipes = {"capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
+    ran = subprocess.run([sys.executable, "-c", SCRIPT], env=environment, check=False, **pipes)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.split("\n")[:3] == ["5200", "1", "1 ()"]

@@ -20,14 +20,8 @@ except DeviceFailed as error:
 
 def said(script, **environment):
     kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    process = subprocess.run(
-        [sys.executable, "-c", script],
-        env=kept | environment,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=LONGEST_PROGRAM_S,
-    )
+    pipes = {"capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
+    process = subprocess.run([sys.executable, "-c", script], env=kept | environment, check=True, **pipes)
     [line] = [line for line in process.stdout.splitlines() if line]
     return line
 
@@ -45,24 +39,28 @@ def test_window_reports_missing_display(home, display_name):
     assert line.endswith("expected a screen; start it from a desktop session, or set DISPLAY 3")
 
 
-@pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: pip install 'tactometry[window]'")
-def test_window_reports_sphinx_in_process(display, home):
-    """Regression: pyglet creates no context when sphinx is loaded."""
-    line = said("import sys; sys.modules['sphinx'] = sys" + OPEN, HOME=home, DISPLAY=os.environ["DISPLAY"])
-    assert line.startswith("window: found sphinx in this process")
-    assert line.endswith("3")
-
-
 def test_window_reports_missing_psychopy(home):
     line = said("import sys; sys.modules['psychopy'] = None" + OPEN, HOME=home)
     assert line.startswith("window: found no module 'psychopy', expected PsychoPy; install it with pip install")
     assert line.endswith("3")
 
 
-def test_window_refuses_event_keyboard_backend(display, home):
-    script = "from psychopy.hardware.keyboard import KeyboardDevice\nKeyboardDevice.setBackend('event')\n" + OPEN
-    line = said(script, HOME=home, DISPLAY=os.environ["DISPLAY"])
-    assert line.startswith("keyboard: found the back end 'event', which loses answers, expected 'ptb'")
+@pytest.mark.parametrize(
+    ("before", "words"),
+    [
+        # regression: pyglet creates no context when sphinx is loaded
+        ("import sys; sys.modules['sphinx'] = sys", "window: found sphinx in this process"),
+        (
+            "from psychopy.hardware.keyboard import KeyboardDevice; KeyboardDevice.setBackend('event')",
+            "keyboard: found the back end 'event', which loses answers, expected 'ptb'",
+        ),
+    ],
+    ids=["sphinx", "event"],
+)
+def test_window_refuses_unsuitable_process(display, home, before, words):
+    line = said(before + OPEN, HOME=home, DISPLAY=os.environ["DISPLAY"])
+    assert line.startswith(words)
+    assert line.endswith("3")
 
 
 def test_adopt_explains_how_to_change_keyboard_backend(display, home):
