@@ -236,13 +236,14 @@ def held_up_process(sink, for_s):
     return heard_part(sink.end()), json.loads(re.search(rb"\{.*?\}", told)[0])["n_underruns"]
 
 
-def test_suspended_process_reports_its_underruns(sink):
+def test_suspended_process_reports_underruns_and_plays_nothing_more(sink):
     """A busy computer may suspend it late, hence three attempts."""
-    assert any(held_up_process(sink, for_s=0.5)[1] >= 1 for _ in range(3))
 
+    def is_cut():
+        heard, n_underruns = held_up_process(sink, for_s=1.0)
+        return 0 < len(heard) < 0.7 * 48_000 and n_underruns >= 1
 
-def test_suspended_process_plays_nothing_after_it_continues(sink):
-    assert any(0 < len(held_up_process(sink, for_s=1.0)[0]) < 0.7 * 48_000 for _ in range(3))
+    assert any(is_cut() for _ in range(3))
 
 
 @st.composite

@@ -134,23 +134,6 @@ def test_force_and_position_share_a_stream(plugged):
     assert device.reader._thread is None
 
 
-def test_noise_on_the_line_loses_no_frame(plugged):
-    device = plugged("serial")
-    device.reader.open()
-    force = device.reader.listen()
-    wait_for(lambda: force.read().times_s.size)
-    rng = np.random.default_rng(0)
-    for _ in range(30):
-        os.write(device.master, rng.bytes(40))
-        time.sleep(0.01)
-    wait_for(lambda: device.reader.facts()["n_bytes_skipped"] > 30 * 30)
-    device.reader.close()
-    counters, facts = force.read().values[:, 0], device.reader.facts()
-    assert len(counters) > 100
-    assert np.all(np.diff(counters) >= 1)
-    assert facts["n_lost"] == np.sum(np.diff(counters) - 1)
-
-
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
@@ -278,19 +261,6 @@ def test_outlet_with_shifted_stamps_fails_with_reason(plugged, ahead_s, why):
     device.reader.open()
     wait_for(lambda: device.reader.facts()["n_outages"])
     assert re.search(why, device.reader.facts()["failure"])
-
-
-def test_duplicate_datagrams_are_counted_and_harmless(plugged):
-    """Duplicates once silenced the sensor without being counted."""
-    device = plugged("udp", options=("--twice",))
-    listener = device.reader.listen()
-    device.reader.open()
-    wait_for(lambda: device.reader.facts()["n_samples"] > 500)
-    device.reader.close()
-    counters, facts = listener.read().values[:, 0], device.reader.facts()
-    assert np.all(np.diff(counters) >= 1)
-    assert facts["n_lost"] <= 1 + np.sum(np.diff(counters) - 1)
-    assert facts["n_duplicates"] >= len(counters)
 
 
 def test_stated_delay_shifts_stamps_of_all_listeners(plugged):

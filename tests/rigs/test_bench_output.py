@@ -1,5 +1,8 @@
-"""Ramps and checks of a signal before an output plays it."""
+"""Ramps, checks and look-up of a signal before an output plays it."""
 
+import io
+
+import catalogue
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -10,8 +13,16 @@ from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import NullOutput, with_ramps
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.console import Console
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.emitter import Emitter
+from tactometry.rigs.pages.page import Display
+from tactometry.rigs.simulated import SimulatedRig
+from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
+from tactometry.session.request import Play
 from tactometry.signal import Signal
 
 RATE_HZ = 1000.0
@@ -84,3 +95,34 @@ def test_emitter_applies_ramps(tmp_path):
     emitted = read_signal(tmp_path / "0001.npz").samples
     assert np.array_equal(emitted, with_ramps(Steps().at(1.0), 0.01).samples)
     assert not emitted[:, [0, -1]].any()
+
+
+BANK = {"tone": catalogue.AnyStimulus()["any"]}
+TIGHT = Limits(1e-6)
+
+
+def bench(limits):
+    output = Guarded(NullOutput(), Limits(1000.0))
+    return Bench(Display(), Equipment(output, BANK, limits), texts_in("en", {}))
+
+
+def console(limits):
+    return Console(catalogue.silent(BANK, limits), texts_in("en", {}), io.StringIO(), io.StringIO())
+
+
+def simulated(limits):
+    return SimulatedRig(
+        BANK, limits, sensation=None, observer=None, finger=SimulatedFinger(), rng_of=lambda n: None, decisions={}
+    )
+
+
+@pytest.mark.parametrize("rig_with", [bench, console, simulated])
+def test_every_rig_suggests_nearest_stimulus_name(rig_with):
+    with pytest.raises(InvalidParameter, match="stimulus: found 'tome', expected one of tone; did you mean 'tone'?"):
+        rig_with(Limits(1000.0)).answer(Play("tome", 20.0, 1.0))
+
+
+@pytest.mark.parametrize("rig_with", [bench, console, simulated])
+def test_every_rig_enforces_study_limits(rig_with):
+    with pytest.raises(LimitExceeded, match=r"limits\.voltage_peak_v: .*nothing was played"):
+        rig_with(TIGHT).answer(Play("tone", 20.0, 1.0))

@@ -1,12 +1,11 @@
 """Sessions of the thesis studies on an emulated one-bit board of 100 V."""
 
-import io
 import os
 import threading
 from contextlib import suppress
 
 import pytest
-from command_line import call
+from command_line import at_the_console, call
 from one_bit_board import COMMANDED, LOWEST_V, SUPPLY_V, board_in, check_decoded
 from soak import SOAK
 from study_texts import changed
@@ -54,9 +53,8 @@ def on_the_console(capsys, monkeypatch, folder, study, *more):
 
     The typed answers alternate between 1 and 5, as some questions do not accept 1.
     """
-    monkeypatch.setattr("sys.stdin", io.StringIO("1\n5\n" * 5000))
-    words = ("run", study, "--participant", "P01", "--rig", "console", "--bench", folder / "bench.toml")
-    return call(capsys, *words, "--out", folder / "d", *more)
+    bench = ("--bench", folder / "bench.toml")
+    return at_the_console(capsys, monkeypatch, study, folder / "d", "1\n5\n" * 5000, *bench, *more)
 
 
 def streams(content):

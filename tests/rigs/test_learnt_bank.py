@@ -1,12 +1,10 @@
 """Stimuli generated from the measured impulse responses of a bench."""
 
-import io
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import call
-from learnt_file import PROVENANCE, true_responses, write_responses
+from command_line import at_the_console
 from short_studies import shortened
 
 from tactometry.devices.outputs.output import RAMP_S, with_ramps
@@ -21,6 +19,9 @@ from tactometry.records.journal import read
 from tactometry.session.request import Press
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
+from tactometry.stimuli.time_reversal.responses.learning import write_learnt
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 
 @pytest.fixture(scope="module")
@@ -100,9 +101,7 @@ def test_session_plays_the_learnt_responses(learnt, tmp_path, capsys, monkeypatc
     study.write_text(shortened("time-reversal-threshold"), "utf-8")
     output = f'[output]\nkind = "file"\nfolder = "{played}"\n'
     bench.write_text(f'{output}[time_reversal]\nresponses = "{learnt.responses}"\n', "utf-8")
-    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 100))
-    run = ("run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", tmp_path / "d")
-    status, errors, _ = call(capsys, *run)
+    status, errors, _ = at_the_console(capsys, monkeypatch, study, tmp_path / "d", "1\n" * 100, "--bench", bench)
     assert status == 0, errors
     [journal] = (tmp_path / "d" / "journals").glob("*.jsonl")
     recording = read(journal)
@@ -122,3 +121,21 @@ def test_journal_identifies_the_learnt_responses(learnt):
         "responses_measured": " ".join(PROVENANCE.values()),
     }
     assert learnt_facts(None) == {}
+
+
+PROVENANCE = {"measured_on": "2026-11-20", "measured_by": "ZG"}
+
+
+def true_responses():
+    setup = Setup()
+    return setup.responses_at(*setup.focus_m)
+
+
+def write_responses(path, *, noise_db=np.inf, factor=1.0, n_samples=None, n_points=1):
+    """Write them with noise so many dB below, and changed as asked: what was written."""
+    true = true_responses()
+    rms = np.sqrt(np.mean(true.samples**2))
+    noise = rms * 10 ** (-noise_db / 20) * np.random.default_rng(5).standard_normal(true.samples.shape)
+    samples = np.tile(factor * (true.samples + noise)[..., :n_samples], (n_points, 1, 1))
+    write_learnt(Responses(samples, true.rate_hz), Path(path), PROVENANCE)
+    return samples

@@ -112,26 +112,6 @@ def sleep_until(end_s):
     time.sleep(max(0.0, end_s - time.perf_counter()))
 
 
-def test_gap_reported_by_several_blocks_counts_once(output, sink):
-    def torn():
-        end_s = output.play(tone(1.0)) + 1.0
-        held_up(sink.server, 0.3)
-        sleep_until(end_s)
-        return output.n_gaps() == 1
-
-    assert any_of(torn)
-
-
-def test_gap_lasting_past_stimulus_end_is_counted(output, sink):
-    end_s = output.play(tone(0.6)) + 0.6
-    sink.server.send_signal(signal.SIGSTOP)
-    try:
-        sleep_until(end_s)
-        assert output.n_gaps() >= 1
-    finally:
-        sink.server.send_signal(signal.SIGCONT)
-
-
 def heard_while_held_up(output, sink, after_s, for_s):
     """Play noise while the server stalls once.
 

@@ -1,7 +1,6 @@
 """Texture sessions with a UDP position sensor and a sound server."""
 
 import importlib.util
-import io
 import json
 import threading
 from dataclasses import dataclass, replace
@@ -9,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from command_line import call
+from command_line import at_the_console, call
 from emulated import Emulator, wait_for
 from sound_server import Sink, alsa_in
 from study_texts import changed
@@ -123,11 +122,9 @@ def test_unsuitable_texture_bench_is_refused_before_opening(tmp_path, capsys, mo
         begin, end = text.index('device = "pulse"'), text.index("[output.load]")
         text = text[:begin] + "rate_hz = 48000\n" + text[end:]
     bench.write_text(text)
-    monkeypatch.setattr("sys.stdin", io.StringIO(""))
     monkeypatch.setattr("tactometry.experiments.bench.bench_file.BenchFile.check_gate", lambda bench: None)
     monkeypatch.setattr("tactometry.devices.outputs.gain.Gain.check", lambda *words: None)
-    words_of = ("run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", tmp_path / "d")
-    found, said, _ = call(capsys, *words_of)
+    found, said, _ = at_the_console(capsys, monkeypatch, study, tmp_path / "d", "", "--bench", bench)
     assert (found, words in said) == (status, True), said
 
 

@@ -1,6 +1,5 @@
 """Recorded force and position traces of each touch."""
 
-import io
 import json
 import shutil
 from types import SimpleNamespace
@@ -8,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from benches import FILE_BENCH, UDP_HAND
-from command_line import call, output
+from command_line import at_the_console, call, output
 from emulated import Emulator
 from kept_events import Kept
 from study_texts import tutorial_in
@@ -41,19 +40,18 @@ PROFILE = "0.2:30,1:100"
 
 
 def words(folder, device, bench="", out="d", changes=None):
-    """Return `run` arguments for a console session with a UDP sensor."""
+    """Return the arguments of a console session with a UDP sensor, answered by 1."""
     text = FILE_BENCH.format(folder=folder / "played", duty=1.0, window_s=60)
     path = folder / "bench.toml"
     path.write_text(text + UDP_HAND.format(port=device.udp_port) + MOVING + bench, encoding="utf-8")
     study = tutorial_in(folder, SHORT | (changes or {}))
-    return study, "--participant", "P01", "--rig", "console", "--bench", path, "--out", folder / out
+    return study, folder / out, "1\n" * 40, "--bench", path
 
 
 def sit(folder, capsys, monkeypatch, **how):
     device = Emulator("udp", folder, profile=PROFILE)
-    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
     try:
-        return call(capsys, "run", *words(folder, device, **how))[:2]
+        return at_the_console(capsys, monkeypatch, *words(folder, device, **how))[:2]
     finally:
         device.close()
 

@@ -1,5 +1,7 @@
 """Command lines that run within the test process."""
 
+import io
+
 import pytest
 
 from tactometry.cli import main
@@ -17,6 +19,12 @@ def call(capsys, *arguments):
     code = status(*arguments)
     said = capsys.readouterr()
     return code, said.err.strip(), said.out
+
+
+def at_the_console(capsys, monkeypatch, study, out, answers, *more):
+    """Call a console session in which these lines are typed."""
+    monkeypatch.setattr("sys.stdin", io.StringIO(answers))
+    return call(capsys, "run", study, "--participant", "P01", "--rig", "console", "--out", out, *more)
 
 
 def output(capsys, *arguments):

@@ -2,7 +2,7 @@
 
 `python emulator.py serial FD | udp PORT | lsl NAME`.
 
-Its clock may run `--clock` times as fast as ours, from `--ahead` s on; with `--twice` each datagram comes doubled.
+Its clock may run `--clock` times as fast as ours, from `--ahead` s on.
 
 Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
 processes of a machine share, modulo 2**31; channel 2 is the force in counts. `--profile` is a repeated list of
@@ -124,7 +124,7 @@ def run_udp(asked):
         line.setblocking(False)
         for n, _, values in samples(asked):
             record = RECORD.pack(n % 2**32, round(7 * asked.clock * n) % 2**32, 0, *values, 0, 0, 0)
-            for _ in range((2 if asked.twice else 1) if address else 0):
+            if address:
                 line.sendto(record, address)
             if n % 100 == 0:
                 address = asker(line, address)
@@ -159,7 +159,6 @@ if __name__ == "__main__":
     parser.add_argument("--profile", type=profile_of, default=profile_of("1:100"))
     parser.add_argument("--clock", type=float, default=1.0)
     parser.add_argument("--ahead", type=float, default=0.0)
-    parser.add_argument("--twice", action="store_true")
     parser.add_argument("--source-id", default="")
     parser.add_argument("--steered", action="store_true")
     asked = parser.parse_args()

@@ -8,7 +8,6 @@ from itertools import count, cycle
 
 import numpy as np
 import pytest
-from places import ROOT
 from seen import Seen
 from short_studies import shortened
 from soak import SOAK
@@ -17,8 +16,7 @@ from tables import is_sound, trial_rows
 from whole_sitting import recorded_as, sitting
 
 from tactometry.records.journal import read
-from tactometry.rigs.texts import texts_in
-from tactometry.session.request import CONSENT, REQUESTS, Choose, Fill, Show
+from tactometry.session.request import CONSENT, Choose, Fill, Show
 
 RESTING = {
     'kind = "yes_no"': 'kind = "yes_no"\nfeedback = true\nrest_s = 5.0',
@@ -80,23 +78,6 @@ STUDIES = {
     TRIED: (lambda: shortened("tutorial"), {"Slide"}),
 }
 """Study functions, each with the pages on which the session is killed."""
-NO_REQUEST = {
-    "key_test": "belongs to check",
-    "pause": "the experimenter's",
-    "stopped": "as the session ends",
-    "dry_run_held": "within the first touch, where it is tried",
-    "dry_run_lost": "in its place",
-}
-
-
-def test_kill_test_covers_every_session_page():
-    """Pages are named by request type or message; instructions share a name."""
-    protocols = "".join(path.read_text("utf-8") for path in (ROOT / "protocols").rglob("*.py"))
-    put = {name for name in REQUESTS if re.search(rf"\b{name}\(", protocols)}
-    asked = put - {"Record", "Show", "Fill", "Intervene"} | {"agree", "feedback", "Fill 1", "Fill 2"}
-    messages = texts_in("en", {}).messages
-    headed = {one_name(name) for name, text in messages.items() if "\n\n" in text.strip()}
-    assert set().union(*(pages for _, pages in STUDIES.values())) == asked | headed - NO_REQUEST.keys()
 
 
 def one_name(message):

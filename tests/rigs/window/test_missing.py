@@ -1,4 +1,4 @@
-"""Errors for a missing display, PsychoPy or keyboard."""
+"""Errors for a missing display, PsychoPy or keyboard, and the lifetime of the key queue."""
 
 import os
 import subprocess
@@ -7,6 +7,7 @@ from importlib.util import find_spec
 
 import pytest
 from patience import LONGEST_PROGRAM_S
+from places import ROOT
 
 OPEN = """
 from tactometry.errors import DeviceFailed
@@ -93,3 +94,45 @@ def test_only_signals_end_process_while_window_opens(display, home, status, told
 def test_bench_imports_without_psychopy(home):
     script = "import sys, tactometry.rigs.bench; print([name for name in sys.modules if name.startswith('psychopy')])"
     assert said(script, HOME=home) == "[]"
+
+
+SCRIPT = """
+import os, time
+from hands import Hands
+from tactometry.rigs.window import Window
+
+def n_threads():
+    return len(os.listdir("/proc/self/task"))
+
+def n_heard(window, n):
+    found, deadline_s = [], time.perf_counter() + 20
+    while len(found) < n and time.perf_counter() < deadline_s:
+        time.sleep(0.05)
+        found += window.events()
+    return len(found)
+
+hands = Hands(None)
+window = Window(fullscreen=False, size=(320, 200))
+for _ in range(5200):
+    hands.tap("y", 0)
+print(n_heard(window, 5200))
+n_open = n_threads()
+window.close()
+window.close()
+print(n_open - n_threads())
+hands.tap("y", 0)
+window = Window(fullscreen=False, size=(320, 200))
+hands.tap("n", 0)
+print(n_heard(window, 1), window.events())
+window.close()
+"""
+
+
+def test_key_queue_survives_many_presses(display, tmp_path):
+    """PsychoPy's default queue crashes after 5000 unread presses."""
+    paths = os.pathsep.join([str(ROOT / "tests" / "support"), *sys.path])
+    environment = {**os.environ, "HOME": str(tmp_path), "PYTHONPATH": paths}
+    pipes = {"capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
+    ran = subprocess.run([sys.executable, "-c", SCRIPT], env=environment, check=False, **pipes)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout.split("\n")[:3] == ["5200", "1", "1 ()"]
