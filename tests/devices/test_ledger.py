@@ -124,19 +124,6 @@ def test_outputs_are_counted_separately(tmp_path, clocks):
     assert [n_played(guard(tmp_path, clocks, name), clocks) for name in ("one", "one", "other")] == [3, 0, 3]
 
 
-@pytest.mark.parametrize("is_stopped", [True, False], ids=["stopped", "replaced"])
-def test_cut_signal_counts_as_long_as_it_played(tmp_path, clocks, is_stopped):
-    output = guard(tmp_path, clocks)
-    output.open()
-    for _ in range(10):
-        output.play(volts())
-        clocks.pass_by(0.1)
-        if is_stopped:
-            output.stop()
-    output.close()
-    assert n_played(guard(tmp_path, clocks), clocks) == 2  # 1 s of 3 s has played
-
-
 def test_refused_signal_is_not_counted(tmp_path, clocks):
     n_played(guard(tmp_path, clocks), clocks)
     assert n_rows(tmp_path) == 3

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from benches import PRESSED_ELECTRODE, gain_toml
 from emulated import Emulator, wait_for
-from force_bench import BENCH, N_TRIALS, study_in
+from force_bench import BENCH, N_TRIALS, begin, study_in
 from tables import trial_rows
-from window_sitting import any_keys, sit, tactometry
+from window_sitting import any_keys, sit
 
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
@@ -29,11 +29,9 @@ HELD_UP = ("sensor_lost", "output_gap")
 def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_path):
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16"))
-    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
     terminal, process_end = os.openpty()
     env = {**alsa, "DISPLAY": os.environ["DISPLAY"], "TERM": "xterm"}
-    process = tactometry(*command, env=env, stdin=process_end, stderr=process_end)
+    process = begin(tmp_path, study, bench, env, stdin=process_end, stderr=process_end)
     os.close(process_end)
     seen, reader = [], threading.Thread(target=lambda: follow(terminal, seen), daemon=True)
     reader.start()
@@ -77,13 +75,10 @@ def follow(terminal, seen):
 
 
 def test_session_pauses_when_network_sensor_dies(display, tmp_path, in_background):
-    study, device = study_in(tmp_path, n_trials=1), Emulator("udp", tmp_path, profile="1:100")
-    study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
+    study, device = study_in(tmp_path, 1, "1 s"), Emulator("udp", tmp_path, profile="1:100")
     played, data = tmp_path / "played", tmp_path / "data"
     bench = PRESSED_ELECTRODE.format(folder=played, port=device.udp_port)
-    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", data]
-    process = tactometry(*command, env=os.environ)
+    process = begin(tmp_path, study, bench, os.environ)
 
     def go_on_when(what):
         wait_for(lambda: what() or process.poll() is not None)
@@ -154,14 +149,11 @@ def played_signals(folder):
     "number",
     [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
 )
-def test_killed_session_falls_silent(needed, display, sink, tmp_path, number):
-    study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
-    study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")
+def test_killed_session_falls_silent(needed, display, sink, tmp_path, in_background, number):
+    study, device = study_in(tmp_path, duration="20 s"), Emulator("lsl", tmp_path, profile="1:100")
     gain = gain_toml("audio pulse, int16", system_volume=1.0)
     bench = BENCH.format(stream=device.name, gain=gain).replace('"tofile"', '"pulse"\nshared = true')
-    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
-    process = tactometry(*command, env={**sink.env, "DISPLAY": os.environ["DISPLAY"]})
+    process = begin(tmp_path, study, bench, {**sink.env, "DISPLAY": os.environ["DISPLAY"]})
     ended = threading.Event()
 
     def end_when_it_plays():
@@ -169,12 +161,10 @@ def test_killed_session_falls_silent(needed, display, sink, tmp_path, number):
         process.send_signal(number)
         ended.set()
 
-    watcher = threading.Thread(target=end_when_it_plays)
-    watcher.start()
+    in_background(end_when_it_plays)
     try:
         status, _, errors = sit(process, display, (key for key in ["space"] * 600 if not ended.is_set()))
     finally:
-        watcher.join()
         device.close()
     frames = sink.end()
     assert status == (-number if number == signal.SIGKILL else 128 + number), errors

@@ -16,7 +16,7 @@ import pytest
 from benches import file_bench
 from command_line import at_the_console, call
 from sampled import Sampled, force_sensor
-from study_texts import changed, tutorial_in
+from study_texts import tutorial_in
 from tables import event_rows, trial_rows
 
 from tactometry.devices.outputs.file import FileOutput, FileSettings
@@ -24,7 +24,6 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.errors import DeviceFailed
-from tactometry.experiments.study.study_file import builtin
 from tactometry.rigs.console import Console
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
@@ -41,22 +40,6 @@ SHORT = {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "cat
 def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, changes=SHORT):
     file_bench(folder, duty)
     return at_the_console(capsys, monkeypatch, tutorial_in(folder, changes), folder / "d", answers, *more)
-
-
-def test_console_lists_focus_positions_by_name(tmp_path, capsys, monkeypatch):
-    study = builtin()["time-reversal-localisation"].read_text("utf-8")
-    short = {"repeats = 30": "repeats = 1", 'hold_s = "500 ms"': 'hold_s = "10 ms"', "n_trials = 20": "n_trials = 10"}
-    (tmp_path / "s.toml").write_text(changed(study, short), encoding="utf-8")
-    answers = "2\nindex + middle\n" * 40
-    status, _, out = at_the_console(capsys, monkeypatch, tmp_path / "s.toml", tmp_path / "d", answers)
-    assert status == 0
-    assert "1 = index, 2 = middle, 3 = index + middle" in out
-    rows = [row for row in trial_rows(tmp_path / "d") if row["practice"] == "0"]
-    assert len(rows) == 7
-    for row in rows:
-        assert row["response"] in ("2", "3")
-        assert float(row["separation_m"]) == float(row["distance_m"])
-        assert float(row["error_m"]) == (0.0 if row["response"] == row["target"] else float(row["distance_m"]))
 
 
 def kinds(root):

@@ -20,8 +20,6 @@ OWN = ("http://127.0.0.1:", "data:", "about:")
 
 
 class Tab:
-    """A tab of the browser."""
-
     def __init__(self, to_browser, from_browser):
         self._to, self._from, self._rest, self._n = to_browser, from_browser, b"", 0
         self._session = None
@@ -58,13 +56,11 @@ class Tab:
         self.wait_for("document.readyState === 'complete'")
 
     def value(self, expression):
-        """Evaluate a line of JavaScript and return its value."""
         found = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
 
     def wait_for(self, expression):
-        """Wait until an expression is true."""
         end_s = time.monotonic() + LONGEST_WAIT_S
         while not self.value(expression):
             assert time.monotonic() < end_s, f"never true: {expression}; the page reads {self.text()!r}"

@@ -8,7 +8,6 @@ from tactometry.cli import main
 
 
 def status(*arguments):
-    """Return the exit status of a command line."""
     with pytest.raises(SystemExit) as ended:
         main(list(map(str, arguments)))
     return ended.value.code
@@ -28,7 +27,6 @@ def at_the_console(capsys, monkeypatch, study, out, answers, *more):
 
 
 def output(capsys, *arguments):
-    """Return the output of a command line that succeeds."""
     code, said, out = call(capsys, *arguments)
     assert code == 0, said
     return out

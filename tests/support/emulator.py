@@ -64,7 +64,6 @@ class Hand:
         os.set_blocking(sys.stdin.fileno(), False)
 
     def move(self):
-        """Advance the hand by one sample."""
         with contextlib.suppress(BlockingIOError):
             *lines, self._heard = (self._heard + os.read(sys.stdin.fileno(), 4096)).split(b"\n")
             for line in lines:
@@ -131,7 +130,6 @@ def run_udp(asked):
 
 
 def asker(line, address):
-    """Return the address of the latest request."""
     with contextlib.suppress(BlockingIOError):
         while True:
             request, origin = line.recvfrom(64)

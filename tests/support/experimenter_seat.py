@@ -39,7 +39,6 @@ class Terminal:
         os.write(self._master, line.encode() + b"\n")
 
     def sees(self, words):
-        """Return True if the terminal has shown these words."""
         while select.select([self._master], [], [], 0)[0]:
             self._seen += os.read(self._master, 4096)
         return words.encode() in self._seen
@@ -65,7 +64,6 @@ class Terminal:
 
 @pytest.fixture
 def bench(watched, output):
-    """A bench without sensors and terminal."""
     rig = Bench(watched, Equipment(output, {"tone": BLIP}), texts_in("en", {}))
     yield rig
     rig.close()

@@ -59,24 +59,20 @@ NEGATIVE_TRIALS = [
 
 
 def table(rows, head=HEAD, *, separator=",", end="\n"):
-    """Write rows as CSV without quotation."""
     return "".join(separator.join(map(str, row)) + end for row in (head, *rows))
 
 
 def quoted(rows, head=HEAD):
-    """Write rows as CSV with cells quoted where CSV needs it."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([head, *rows])
     return text.getvalue()
 
 
 def objects(rows):
-    """Write rows as a list of JSON objects."""
     return json.dumps([dict(zip(HEAD, row, strict=True)) for row in rows])
 
 
 def of(code, rows=TRIALS):
-    """Return the rows of one participant."""
     return [row for row in rows if row[0] == code]
 
 
@@ -117,7 +113,6 @@ def bids():
 
 
 def alternatives():
-    """Return forced choices among two and four alternatives."""
     rows = [
         (f"S0{number}", level, target, target if n < k else target % m + 1, m)
         for m, participants in CORRECT.items()

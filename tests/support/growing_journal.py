@@ -24,7 +24,6 @@ class GrowingJournal:
 
 @pytest.fixture
 def journal(whole, tmp_path):
-    """Return the growing journal of a data set that has its study."""
     (tmp_path / "journals").mkdir()
     (tmp_path / "study.toml").write_bytes((whole / "study.toml").read_bytes())
     [recorded] = (whole / "journals").glob("*.jsonl")

@@ -6,8 +6,6 @@ SCREEN_PX = (1280, 800)
 
 
 class Hands:
-    """Hands that press keys and touch the screen by real X events."""
-
     def __init__(self, name):
         from Xlib import XK, X, display
         from Xlib.ext import xtest
@@ -29,11 +27,9 @@ class Hands:
         return down_s, time.perf_counter()
 
     def touch(self, x, y):
-        """Click at (x, y) in screen heights from the middle."""
         self.drag((x, y))
 
     def drag(self, *places):
-        """Press at the first place and release at the last."""
         for n, place in enumerate(places):
             self._move(*place)
             if n == 0:
@@ -45,7 +41,6 @@ class Hands:
         self.point(round(width / 2 + x * height), round(height / 2 - y * height))
 
     def click(self, x_px, y_px):
-        """Click at a pixel."""
         self._send(self._X.MotionNotify, x=x_px, y=y_px)
         self._send(self._X.ButtonPress, 1)
         self._send(self._X.ButtonRelease, 1)

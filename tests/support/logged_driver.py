@@ -6,8 +6,6 @@ from tactometry.devices.outputs.output import Driver
 
 
 class LoggedDriver(Driver):
-    """A driver of an output that is connected to a list."""
-
     name, n_channels, rate_hz, full_scale_v, connected = "list", 1, 20_000.0, 50.0, False
 
     def __init__(self, log):

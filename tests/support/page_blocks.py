@@ -50,5 +50,4 @@ def blocks_of(page: Path) -> list[Block]:
 
 
 def texts_of(page: str, language: str) -> list[str]:
-    """The blocks of a page of the docs in a language."""
     return [block.text for block in blocks_of(DOCS / page) if block.language == language]

@@ -38,7 +38,6 @@ def commands_of(text: str) -> Iterator[Command]:
 
 
 def said_by(line: str) -> tuple[int, str]:
-    """The status of a command, and all that it says."""
     words = shlex.split(line, comments=True)
     # Reused processes of --jobs stay in the folder in which they were started.
     shell = words[0] != "tactometry" or {"|", ">", "&&", "--jobs"} & set(words)

@@ -29,7 +29,6 @@ READERS: dict[str, Callable[[Path], object]] = {
 
 
 def read_toml(block: Block) -> None:
-    """A block of TOML by what its mark names."""
     if block.mark == "study" and not block.said:
         wire(parse(block.text.encode(), block.place), block.place)
         return

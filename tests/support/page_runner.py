@@ -55,7 +55,6 @@ def absent(block: Block) -> bool:
 
 
 def _lines(text: str) -> str:
-    """Without the places where they begin."""
     return "\n".join(line.strip() for line in text.strip().splitlines())
 
 

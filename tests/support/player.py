@@ -38,7 +38,6 @@ def frames(asked):
 
 
 def tell(course):
-    """Print how many frames the device has requested, repeatedly."""
     while True:
         os.write(1, f"{course._at}\n".encode())
         time.sleep(0.001)

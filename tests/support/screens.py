@@ -85,7 +85,6 @@ def all_pages(language, aspect):
 
 
 def form_pages(name, language, aspect):
-    """Return a questionnaire's last page with each of two answers."""
     loaded = load(name)
     page = pages(loaded, loaded.items)[-1]
     drawn = form.Form(page, texts_in(language, {}))
@@ -94,14 +93,16 @@ def form_pages(name, language, aspect):
     return [form.form_page(drawn, marks, aspect) for marks in marked]
 
 
-def entry_page(aspect):
+def other_pages(aspect):
+    """Return forms, a number and the bar by name."""
     texts = texts_in("en", {})
-    return entry.entry_page(texts.message("how_strong"), "12.5", texts.message("hint_enter"), aspect, ready=True)
+    found = {f"form_{name}_{language}": form_pages(name, language, aspect)[0] for name, language in FORMS}
+    how_strong, hint = texts.message("how_strong"), texts.message("hint_enter")
+    found["entry"] = entry.entry_page(how_strong, "12.5", hint, aspect, ready=True)
+    return found | {"bar": layout.bar_page(BAR_WORDS, texts.message("hint_continue"), aspect, BAR_PART)}
 
 
 def every_page(aspect):
-    """Return all pages by name: both languages, forms, number and bar."""
+    """Return all pages by name, in every language."""
     found = {f"{lang}_{name}": page for lang in languages() for name, page in all_pages(lang, aspect).items()}
-    found |= {f"form_{name}_{lang}": form_pages(name, lang, aspect)[0] for name, lang in FORMS}
-    bar = layout.bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), aspect, BAR_PART)
-    return found | {"entry": entry_page(aspect), "bar": bar}
+    return found | other_pages(aspect)

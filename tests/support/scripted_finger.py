@@ -23,8 +23,6 @@ DIGITS = "0123456789"
 
 
 class Eye:
-    """A reader of the pixels of a display."""
-
     def __init__(self, name):
         from Xlib import X, display
 
@@ -41,7 +39,6 @@ class Eye:
         self._display.sync()
 
     def picture(self):
-        """Return the whole screen, (height, width, 3)."""
         width, height = self.size_px
         image = self._root.get_image(0, 0, width, height, *self._whole)
         return np.frombuffer(image.data, np.uint8).reshape(height, width, 4)[:, :, 2::-1]
@@ -67,7 +64,6 @@ class Pursuit:
     _seen: list = field(default_factory=list)
 
     def see(self, along, now_s):
-        """Note that the dot is at this share (0 to 1) of its track."""
         self._seen = [*self._seen[-1:], (along, now_s)]
         if len(self._seen) == 2 and 0.05 < along < 0.95 and along != self._seen[0][0]:
             rising = along > self._seen[0][0]
@@ -107,7 +103,6 @@ class Finger:
         return False
 
     def _look(self, now_s):
-        """Look once; return True if there is something new."""
         picture = self._eye.picture()
         self.steady = self.picture is not None and np.array_equal(picture, self.picture)
         self.picture = picture
@@ -172,7 +167,6 @@ class Finger:
     # --- pages
 
     def _act(self, seen):
-        """Act on a page; return True if there was something to do."""
         act = {"words": self._go_on, "question": self._choose, "form": self._fill, "number": self._enter}
         return act.get(seen.kind, self._confirm)(seen)
 

@@ -80,7 +80,6 @@ class Seen:
 
     @property
     def kind(self):
-        """Kind of page."""
         if self.marker is not None:
             return "touch"
         if self.rows:
@@ -122,7 +121,6 @@ def bodies(mask, least_px=4, corners=1):
 
 
 def see(picture):
-    """Recognise the content of a whole screen (height, width, 3)."""
     pixels = colours(np.asarray(picture, np.uint8))
     height_px = len(pixels)
     blue = bodies(pixels == BLUE_LIKE)
@@ -205,14 +203,11 @@ def _rows(pixels, height_px):
 
 
 def _of_one_size(rings):
-    """Return a row's rings of equal size from the left, without letters."""
     usual_px = np.median([ring.width for ring in rings])
     return sorted((ring for ring in rings if abs(ring.width - usual_px) <= ROW_PX), key=lambda ring: ring.x0)
 
 
 def _marked(pixels, rows):
-    """Return the index of the marked ring of each row."""
-
     def dotted(ring):
         x, y = (int(place) for place in ring.middle)
         return pixels[y, x] == YELLOW_LIKE

@@ -107,7 +107,6 @@ class Sink:
             raise
 
     def begin(self):
-        """Begin a new record."""
         self.n_before = self.raw.stat().st_size // 4 * 4
 
     def heard(self):

@@ -82,7 +82,6 @@ def texture_bench(folder, port, position=POSITION, more=""):
 
 
 def console_session(study, bench, out, env, n_answers=50):
-    """Run a session at a console; return its status, output and errors."""
     words = ["run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", out]
     command = [sys.executable, "-m", "tactometry", *map(str, words)]
     pipes = {"input": "1\n" * n_answers, "capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
@@ -99,7 +98,6 @@ def paths_in(root):
 
 
 def stretches(frames, least=4800):
-    """Return the parts of a record between long silences."""
     heard = np.flatnonzero(frames.any(axis=1))
     cuts = np.flatnonzero(np.diff(heard) > least)
     firsts, lasts = np.r_[heard[:1], heard[cuts + 1]], np.r_[heard[cuts], heard[-1:]]

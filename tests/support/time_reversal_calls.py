@@ -2,8 +2,10 @@
 
 import importlib
 import inspect
-from collections.abc import Mapping
+import pkgutil
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -39,7 +41,7 @@ from time_reversal_parts import (
 
 import tactometry.stimuli.time_reversal as package
 from tactometry.contact import Contact
-from tactometry.stimuli.composition.effect import Demand
+from tactometry.stimuli.composition.effect import Demand, Effect
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.stimuli.time_reversal import DiscPatch, Fingertip, Glass, Pattern, Target, TimeReversalStimulus
 from tactometry.stimuli.time_reversal.design.guide import Transducers
@@ -147,94 +149,43 @@ OTHER: Mapping[str, Mapping[str, Any]] = {
 ONLY = {"PlacedFoci": ("setup", "places", "place", "f_max_hz")}
 """Functions whose other arguments keep their defaults."""
 
-NAMES = {
-    "screen.attenuation": "Attenuation.rate_per_s",
-    "design.closed_forms": (
-        "patch_response passed_hz effective_hz weighted_width_m one_bit_amplitude_ratio analogue_amplitude_ratio "
-        "contrast_whole contrast_limit repetition_noise_ratio repetition_amplitude_ratio focus_profile resolution_m "
-        "half_wavelength_m"
-    ),
-    "fingertip": "Fingertip.load Fingertip.contact",
-    "pulp": (
-        "Tissue.shear_pa PulpLoad.weights PulpLoad.modal_force PulpLoad.check PulpLoad.spread "
-        "PulpLoad.dynamic_stiffness disc_stiffness"
-    ),
-    "focus_loss": "FocusLoss.by focus_loss",
-    "finger": "force_loss amplitude_loss ejection_force_n Contactor.loads hertz_stiffness_n_per_m",
-    "lift_off": "one_sided_contacts one_sided_contact",
-    "responses.plate_constants": "schroeder_db tau_s decay_of",
-    "design.guide": "recommend amplitudes_m contrast_over n_held thickness_for_m wavelength_to_patch",
-    "plate.dispersion": (
-        "wavenumber_rad_per_m wavelength_m phase_velocity_m_per_s group_velocity_m_per_s "
-        "mindlin_angular_frequency_rad_per_s mindlin_wavenumber_rad_per_m shear_stiffness_n_per_m"
-    ),
-    "stimulus.focus_train": (
-        "TimeReversalStimulus.at TimeReversalStimulus.voltage_v FocusTrain.heard FocusTrain.at FocusTrain.voltage_v "
-        "measured"
-    ),
-    "focusing.focusing": (
-        "Emission.responses Emission.drive reversed_waveform drive emitted focus_amplitudes focus_amplitude"
-    ),
-    "plate.glass": "read_plate NamedGlass Glass.plate",
-    "responses.learning": "sweep sequence deconvolve delay_s learn as_displacement write_learnt read_provenance",
-    "responses.load": (
-        "PlateLoad.weights PlateLoad.spread SprungMass.spread PlateLoad.dynamic_stiffness SprungMass.weights "
-        "SprungMass.dynamic_stiffness Receptances.of Receptances.between Receptances.correction Receptances.among "
-        "contact_transfer loaded_responses contour"
-    ),
-    "responses.measured": "read trimmed aligned inspect reciprocity_error",
-    "focusing.merit": (
-        "modal_amplitudes grid field movie modal_history contributions_m amplitude_over_count_m amplitude_by_subset_m "
-        "resolution_per_focus_m switched_power_w dielectric_power_w contrast_whole_of width_m area_m2 envelope "
-        "temporal_width_s uniformity"
-    ),
-    "plate.modes": (
-        "values laplacians modes_of SeparableModes.products SeparableModes.field SeparableModes.frame "
-        "RitzModes.products RitzModes.field RitzModes.frame"
-    ),
-    "focusing.pattern": (
-        "Rectangular.at RaisedCosine.at Exponential.at Sinc.at Table.at pattern_drive reversed_waveforms "
-        "focus_samples focus_starts burst_s"
-    ),
-    "plate.plate": (
-        "Plate.contains Plate.check_holds Plate.frequencies_hz navier ritz ritz_frequencies_hz degrees "
-        "degrees_called_for"
-    ),
-    "focusing.quantiser": "Analogue.quantise normalised one_bit",
-    "focusing.one_bit": "OneBit.quantise",
-    "focusing.sigma_delta": "SigmaDelta.quantise",
-    "focusing.pulse_width": "PulseWidth.quantise PulseWidth.size",
-    "responses.responses": (
-        "through band_limited inaudible Responses.at_point Responses.mean_of Responses.of_channels impulse_responses "
-        "samples_in chunks values_at"
-    ),
-    "screen.screen": "Screen.modes Screen.oscillators Screen.modal_forces warmed",
-    "stimulus.placed_foci": "PlacedFoci PlacedFoci.heard Place Place.on FingersSensation check_fingers",
-    "stimulus.contact_force": "contact_force_n contact_forces_n",
-    "stimulus.sensation": (
-        "FocusReading.sensation_db FocusReading.contact_force_n displacement_at_focus_m free_displacement place_on "
-        "loaded_displacements peaks events felt_amplitude_m"
-    ),
-    "stimulus.setup": "Setup.responses_at Setup.learnt Setup.responses_at_each",
-    "focusing.sound": "a_weighting_db coincidence_frequency_hz radiation_efficiency noise velocity_spectrum",
-    "filters": "filtered Band.at Butterworth.at",
-    "plate.statics": "deflection_m bending_stress_pa",
-    "design.thickness": "sheets best_sheet",
-    "screen.transducer": (
-        "capacitance_f PointForce.modal_force PointForce.check Patch.modal_force Patch.check DiscPatch.modal_force "
-        "DiscPatch.check modal_forces border"
-    ),
+INNER = {
+    *("plate.rectangle", "plate.dispersion.frequencies_rad_per_s", "plate.modal_sum", "plate.propagator"),
+    *("plate.oscillators", "plate.ritz", "focusing.modulator", "focusing.bursts"),
 }
+"""Modules and functions whose arguments are arrays that the public functions make."""
+CLASSES = {"NamedGlass", "Place", "PlacedFoci", "FingersSensation"}
+"""Classes that are called with values of their own."""
+INHERITED = {"focusing.pulse_width": ["PulseWidth.size"], "plate.modes": ["SeparableModes.field", "RitzModes.field"]}
+
+
+def names_of(inner: str, module: ModuleType) -> Iterator[str]:
+    """Return the public functions of a module, and the methods of its classes of which there is an instance."""
+    for name, thing in vars(module).items():
+        if name.startswith("_") or f"{inner}.{name}" in INNER or getattr(thing, "__module__", None) != module.__name__:
+            continue
+        if inspect.isfunction(thing) or name in CLASSES:
+            yield name
+        members = vars(thing).items() if name in SELF else ()
+        yield from (f"{name}.{member}" for member, method in members if _is_public(member, method))
+
+
+def _is_public(name: str, member: object) -> bool:
+    is_method = inspect.isfunction(member) or isinstance(member, classmethod)
+    return is_method and not (name.startswith("_") or hasattr(Effect, name))
 
 
 def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
     """Valid arguments of every public function, by module; `self` is the instance of a method."""
     npz, toml = written(folder)
     files = {"read_plate": toml, "write_learnt": folder / "learnt.npz", "read_provenance": npz}
-    return {
-        module: {name: _arguments(module, name, files | {"paths": [npz]}) for name in names.split()}
-        for module, names in NAMES.items()
-    }
+    found = {}
+    for info in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        inner = info.name.removeprefix(f"{package.__name__}.")
+        if not (info.ispkg or inner.startswith("figures") or inner in INNER):
+            names = [*names_of(inner, importlib.import_module(info.name)), *INHERITED.get(inner, ())]
+            found[inner] = {name: _arguments(inner, name, files | {"paths": [npz]}) for name in names}
+    return found
 
 
 def _arguments(module: str, name: str, files: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -47,7 +47,6 @@ PLATE_FILE = 'glass = "Borofloat 33"\nlength_m = 0.2\nwidth_m = 0.1\nthickness_m
 
 
 def written(folder: Path) -> tuple[Path, Path]:
-    """Responses and a plate in files."""
     npz, toml = folder / "h.npz", folder / "plate.toml"
     np.savez(npz, samples=RESPONSES.samples, rate_hz=2e3)
     toml.write_text(PLATE_FILE)

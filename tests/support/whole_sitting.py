@@ -68,7 +68,6 @@ def sitting(folder, study, language, hands, kind="udp", *, dry_run=True):
 
 
 def asked_to_end(process, finger):
-    """Take part to the end; return status, output and errors."""
     try:
         finger.sit(process)
         return process.returncode, *process.communicate(timeout=30)
@@ -78,7 +77,6 @@ def asked_to_end(process, finger):
 
 
 def forms_of(study):
-    """Return the questionnaires of a study by name."""
     table = tomllib.loads(study)
     names = [table["task"].get("form"), *(each["form"] for each in table.get("inquiries", {}).values())]
     return [load(name) for name in names if name]

@@ -27,8 +27,6 @@ PRESS = Press("noise", 1.0, 20.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeo
 
 
 class Noting(Passing):
-    """A driver that notes its frame count at the first stop or close."""
-
     n_given = None
 
     def _note(self):
@@ -68,7 +66,6 @@ class Scene:
             happens(*args)
 
     def heard(self, stimulus="noise"):
-        """Return how many frames the sink heard before its silence."""
         frames = self.sink.end()
         assert not frames[-4800:].any()
         heard = heard_part(frames)
@@ -89,8 +86,6 @@ LIMITS = Limits(voltage_peak_v=200.0, current_peak_a=1.0, duty=1.0, session_s=60
 
 @dataclass(frozen=True)
 class Noise:
-    """A noise without a zero sample."""
-
     duration_s: float
     unit = "V"
 
@@ -100,8 +95,6 @@ class Noise:
 
 
 class Failing(Passing):
-    """A screen that fails on request."""
-
     def __init__(self, screen):
         super().__init__(screen)
         self.fails = threading.Event()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import screens
-from screens import all_pages
+from screens import all_pages, other_pages
 
 from tactometry.rigs.pages import layout
 from tactometry.rigs.pages.page import Text
@@ -12,7 +12,8 @@ from tactometry.rigs.texts import languages
 
 @pytest.mark.parametrize("language", languages())
 def test_pages_fit_the_screen_with_high_contrast(screen, artefacts, language):
-    for name, page in all_pages(language, screen.aspect).items():
+    pages = all_pages(language, screen.aspect) | (other_pages(screen.aspect) if language == "en" else {})
+    for name, page in pages.items():
         image = screen.picture(page)
         image.save(artefacts / f"window_{language}_{name}.png")
         pixels = np.asarray(image.convert("L"), dtype=int)

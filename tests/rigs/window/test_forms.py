@@ -4,7 +4,6 @@ import threading
 from dataclasses import replace
 
 import pytest
-from screens import entry_page, form_pages
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.session import question_of, words_of
@@ -155,14 +154,3 @@ def test_questionnaire_without_session_language_is_refused(bench, watched, outpu
     italian = Bench(watched, Equipment(output, {}), replace(texts_in("en", {}), language="it"))
     with pytest.raises(InvalidParameter, match="item 'ATT1': found no texts in 'it', expected texts in one of"):
         italian.answer(PAGE)
-
-
-@pytest.mark.parametrize(("name", "language"), [("attrakdiff", "fr"), ("sus", "en"), ("nasa-tlx", "en")])
-def test_form_pages_are_saved_as_pictures(screen, artefacts, name, language):
-    image = screen.picture(form_pages(name, language, screen.aspect)[0])
-    image.save(artefacts / f"form_{name}.png")
-    assert len(set(image.convert("L").getdata())) > 20
-
-
-def test_entry_page_is_saved_as_picture(screen, artefacts):
-    screen.picture(entry_page(screen.aspect)).save(artefacts / "entry.png")
