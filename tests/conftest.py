@@ -8,6 +8,7 @@ import shutil
 import threading
 import time
 import zlib
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -16,7 +17,6 @@ import pytest
 from calibrating import calibrate
 from compile_once import compile_once
 from force_bench import needed
-from growing_journal import journal
 from hands import SCREEN_PX, Hands
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
@@ -26,7 +26,11 @@ from scratch import write_in_memory
 from soak import SOAK
 from sound_server import alsa, portaudio, server, sink
 
-__all__ = ["alsa", "calibrate", "journal", "needed", "portaudio", "pytest_addoption", "pytest_sessionfinish"]
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import Driver
+from tactometry.safety.limits import Limits
+
+__all__ = ["alsa", "calibrate", "needed", "portaudio", "pytest_addoption", "pytest_sessionfinish"]
 __all__ += ["server", "sink"]
 
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))
@@ -216,6 +220,31 @@ class Watched(Passing):
         self._log.append("screen.close")
 
 
+class LoggedDriver(Driver):
+    """A driver whose calls are logged in a list."""
+
+    name, n_channels, rate_hz, full_scale_v, connected = "list", 1, 20_000.0, 50.0, False
+
+    def __init__(self, log):
+        self._log = log
+
+    def final(self, signal):
+        return signal
+
+    def open(self):
+        self._log.append("output.open")
+
+    def play(self, signal):
+        self._log.append(f"play {signal.peak:.3g} V")
+        return time.perf_counter()
+
+    def stop(self):
+        self._log.append("output.stop")
+
+    def close(self):
+        self._log.append("output.close")
+
+
 @pytest.fixture
 def log():
     return []
@@ -230,11 +259,6 @@ def watched(screen, log, monkeypatch):
 
 @pytest.fixture
 def output(log):
-    from logged_driver import LoggedDriver
-
-    from tactometry.devices.outputs.guarded import Guarded
-    from tactometry.safety.limits import Limits
-
     return Guarded(LoggedDriver(log), Limits(voltage_peak_v=50.0))
 
 
@@ -311,3 +335,27 @@ def whole(tmp_path_factory):
 def lived(whole, tmp_path):
     """A copy of it to spoil."""
     return Path(shutil.copytree(whole, tmp_path / "d"))
+
+
+@dataclass
+class GrowingJournal:
+    """A journal that contains as many of a session's lines as requested."""
+
+    path: Path
+    lines: list
+
+    @property
+    def root(self):
+        return self.path.parents[1]
+
+    def holds(self, n_lines=None, more=b""):
+        """Write the first lines, or all, and any text after them."""
+        self.path.write_bytes(b"".join(self.lines[:n_lines]) + more)
+
+
+@pytest.fixture
+def journal(whole, tmp_path):
+    (tmp_path / "journals").mkdir()
+    (tmp_path / "study.toml").write_bytes((whole / "study.toml").read_bytes())
+    [recorded] = (whole / "journals").glob("*.jsonl")
+    return GrowingJournal(tmp_path / "journals" / recorded.name, recorded.read_bytes().splitlines(keepends=True))

@@ -5,8 +5,8 @@ import time
 from dataclasses import replace
 
 import pytest
+from followed_rule import with_row
 from places import ROOT
-from progressed import with_row
 from set_clock import Clock
 from tutorial_session import live
 

@@ -5,7 +5,7 @@ import re
 
 import pytest
 from command_line import output
-from progressed import with_row
+from followed_rule import with_row
 
 from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.wording import interval_text

@@ -87,3 +87,8 @@ def _period_s(frequency_hz: ArrayLike) -> FloatArray:
 def _peak_v(voltage_v: float, skin: Skin) -> float:
     check_one_relaxation(skin)
     return skin.k * voltage_v
+
+
+def corneum_voltage_v(v: FloatArray, rate_hz: float, skin: Skin, area_m2: float) -> FloatArray:
+    """Voltage (..., n_samples) across the stratum corneum, from rest."""
+    return skin.relaxations(area_m2).sampled(v, rate_hz)

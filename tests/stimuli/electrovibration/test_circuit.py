@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from corneum_closed_form import (
+    corneum_voltage_v,
     sine_mean_force_n,
     sine_voltage_v,
     square_edge_v,
@@ -11,7 +12,6 @@ from corneum_closed_form import (
     step_voltage_v,
 )
 from hypothesis import given, strategies as st
-from sampled_corneum import corneum_voltage_v
 from scipy.integrate import solve_ivp
 
 from tactometry.stimuli.electrovibration import Skin, electrostatic_force_n

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from scipy.signal import fftconvolve
-from time_reversal_parts import SETUP
+from time_reversal_calls import SETUP
 
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.stimuli.time_reversal.focusing.bursts import RESOLVED, Bursts

@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from time_reversal_calls import calls
-from time_reversal_parts import (
+from time_reversal_calls import (
     BAND,
     CLICK,
     DESIGN,
@@ -29,6 +28,7 @@ from time_reversal_parts import (
     SETUP,
     SHEETS,
     TRAIN,
+    calls,
 )
 
 import tactometry.stimuli.time_reversal as room
