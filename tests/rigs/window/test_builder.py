@@ -1,16 +1,14 @@
 """A Builder experiment with our components, compiled and run by PsychoPy."""
 
 import json
-import os
 import subprocess
 import sys
 
 import pytest
 from patience import LONGEST_PROGRAM_S
 from places import ROOT
-from script_bench import hand_and_bench
+from script_bench import run_script
 from tables import rows_of
-from window_sitting import sit
 
 from tactometry.questionnaire import load
 
@@ -56,19 +54,9 @@ def test_builder_lists_components_with_their_fields(display, tmp_path):
     assert all({"name", "study", "bench", "factors"} <= set(fields) for fields in told.values())
 
 
-def run(folder, hands, keys):
-    hand = hand_and_bench(folder)
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    process = subprocess.Popen([sys.executable, "felt.py"], cwd=folder, text=True, env=os.environ, **pipes)
-    try:
-        return sit(process, hands, keys)
-    finally:
-        hand.close()
-
-
 @pytest.fixture(scope="module")
 def sitting(compiled, display):
-    status, _, errors = run(compiled, display, ["y", "4", "Return"] * 2000)
+    status, _, errors = run_script(compiled, display, "felt.py", ["y", "4", "Return"] * 2000)
     assert status == 0, errors
     return rows_of(compiled / "data.csv")
 
@@ -105,7 +93,7 @@ def test_escape_ends_experiment_and_keeps_rows(compiled, display):
         return len(list((compiled / "played").glob("*.npz"))) - n_before >= 2
 
     n_before = len(list((compiled / "played").glob("*.npz")))
-    status, _, errors = run(compiled, display, keys())
+    status, _, errors = run_script(compiled, display, "felt.py", keys())
     assert (status, "Traceback" in errors) == (0, False), errors
     kept = rows_of(max(compiled.glob("data*.csv"), key=lambda path: path.stat().st_mtime))
     assert 1 <= len([row for row in kept if row["quest.response"]]) <= 3

@@ -3,17 +3,15 @@
 from dataclasses import replace
 
 import pytest
+from experimenter_seat import BLIP
 from kept_events import Kept
-from sampled import Passing, force_sensor
+from sampled import Passing
 
-from tactometry.rigs.bench import N_DRY_RUNS, Bench
-from tactometry.rigs.device_rig import Equipment
+from tactometry.rigs.bench import N_DRY_RUNS
 from tactometry.rigs.pages.page import Text
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Press, Slide
-from tactometry.stimuli.electrovibration import Sine
 
-TONE = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.1, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, interval=1)
 SLIDE = Slide("tone", 5.0, 0.1, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05)
 ENGLISH = texts_in("en", {}).messages
@@ -37,19 +35,9 @@ class Leaving(Passing):
 
 
 @pytest.fixture
-def bench_with(watched, hands, in_background, output, log):
-    kept, rigs = Kept(), []
-
-    def make(force_n=None):
-        sensor = force_n and force_sensor(force_n, log)
-        equipment = Equipment(output, {"tone": TONE}, sensor=sensor, release=False, dry_run=True)
-        screen = Leaving(watched, hands, in_background)
-        rigs.append(Bench(screen, equipment, texts_in("en", {}), log=kept))
-        return rigs[-1], kept
-
-    yield make
-    for rig in rigs:
-        rig.close()
+def bench_with(bench_of, watched, hands, in_background):
+    kept, screen = Kept(), Leaving(watched, hands, in_background)
+    return lambda force_n=None: (bench_of(force_n, screen=screen, kept=kept, tone=BLIP, dry_run=True), kept)
 
 
 def told(page):

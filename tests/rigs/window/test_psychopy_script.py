@@ -1,16 +1,12 @@
 """The documented PsychoPy script, run in a real window."""
 
 import json
-import os
-import subprocess
-import sys
 
 import pytest
 from command_line import call
 from page_blocks import texts_of
-from script_bench import hand_and_bench
+from script_bench import run_script
 from tables import rows_of
-from window_sitting import sit
 
 from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.analysis.reading.trials import read_trials, used_rows
@@ -25,16 +21,9 @@ N_TRIALS = 4
 def sitting(display, tmp_path_factory):
     """Result of the documented script with an emulated hand that presses 1 N."""
     folder = tmp_path_factory.mktemp("script")
-    hand = hand_and_bench(folder)
     [script] = texts_of("how_to/psychopy.md", "python")
     (folder / "script.py").write_text(script, encoding="utf-8")
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    process = subprocess.Popen([sys.executable, "script.py"], cwd=folder, env=os.environ, **pipes)
-    try:
-        status, output, errors = sit(process, display, ["y", "4", "Return"] * 1000)
-    finally:
-        hand.close()
-    return folder, status, output, errors
+    return folder, *run_script(folder, display, "script.py", ["y", "4", "Return"] * 1000)
 
 
 def test_psychopy_script_records_trials_and_questionnaire(sitting):

@@ -59,12 +59,9 @@ def two_screens(tmp_path_factory):
     if find_spec("psychopy") is None or shutil.which("Xvfb") is None:
         pytest.skip("no psychopy or no Xvfb")
     read_end, write_end = os.pipe()
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "1440x600x24", "-noreset", "-nolisten", "tcp"],
-        pass_fds=[write_end],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+    command = ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "1440x600x24", "-noreset", "-nolisten", "tcp"]
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    server = subprocess.Popen(command, pass_fds=[write_end], **silent)
     os.close(write_end)
     with os.fdopen(read_end) as answer:
         number = answer.readline().strip()

@@ -9,9 +9,7 @@ from sampled import Sampled
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force, streamed_position
 from tactometry.gates import triangle
-from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M, Bench
-from tactometry.rigs.device_rig import Equipment
-from tactometry.rigs.texts import texts_in
+from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M
 from tactometry.session.request import Slide
 from tactometry.stimuli.electrovibration import Sine
 
@@ -21,16 +19,16 @@ PATH_M = 0.02
 
 
 @pytest.fixture
-def slid(watched, output, log):
+def slid(bench_of):
+    """A function that slides a finger of constant force along positions."""
+
     def slide(place_m, request=SLIDE):
         force, place = (Reader(Sampled(value, rate_hz=500.0)) for value in (lambda time_s: 1.0, place_m))
         sensor = streamed_force(force, 0, ForceCalibration(newtons_per_count=1.0))
-        parts = {"sensor": sensor, "release": False, "position": streamed_position(place, (0,), 1.0)}
-        rig = Bench(watched, Equipment(output, {"tone": TONE}, **parts), texts_in("en", {}))
-        try:
-            return rig.answer(request)
-        finally:
-            rig.close()
+        rig = bench_of(sensor=sensor, position=streamed_position(place, (0,), 1.0), tone=TONE)
+        touched = rig.answer(request)
+        rig.close()
+        return touched
 
     return slide
 
