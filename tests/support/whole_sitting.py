@@ -1,6 +1,5 @@
 """A session in a real window with a sensor and a simulated participant."""
 
-import os
 import time
 import tomllib
 from contextlib import contextmanager, suppress
@@ -41,10 +40,10 @@ SENSORS = {
 class Sitting:
     """A folder with the text of a study and a bench, and a participant; `run` starts a session."""
 
-    def __init__(self, folder, study, language, hands, eye, sensor, *, dry_run):
+    def __init__(self, folder, study, language, hands, sensor, *, dry_run):
         self.dry_run = dry_run
         self.folder, self.data = folder, folder / "data"
-        self._hands, self._eye, self._sensor = hands, eye, sensor
+        self._hands, self._sensor = hands, sensor
         self.study = folder / "s.toml"
         self.study.write_text(study, encoding="utf-8")
         device = SENSORS[sensor.kind].format(sensor)
@@ -52,23 +51,23 @@ class Sitting:
         (folder / "bench.toml").write_text(bench, encoding="utf-8")
 
     def run(self, *more):
-        self._eye.cover()
+        self._hands.cover()
         words = ("run", self.study, "--participant", "P01", "--seed", 3, "--bench", self.folder / "bench.toml")
         return tactometry(*words, "--out", self.data, *more)
 
     def finger(self, rng):
-        return Finger(self._hands, self._eye, rng, self._sensor)
+        return Finger(self._hands, rng, self._sensor)
 
 
 @contextmanager
 def sitting(folder, study, language, hands, kind="udp", *, dry_run=True):
     """Return a participant whose finger is at a sensor of a kind."""
-    eye, sensor = Eye(os.environ["DISPLAY"]), Emulator(kind, folder, options=("--steered",))
+    sensor = Emulator(kind, folder, options=("--steered",))
     try:
-        yield Sitting(folder, study, language, hands, eye, sensor, dry_run=dry_run)
+        yield Sitting(folder, study, language, hands, sensor, dry_run=dry_run)
     finally:
         sensor.close()
-        eye.close()
+        hands.uncover()
 
 
 def asked_to_end(process, finger):
@@ -115,31 +114,6 @@ DOT_UM_PER_S, TRACK_UM = 50e3, 100e3
 DIGITS = "0123456789"
 
 
-class Eye:
-    def __init__(self, name):
-        from Xlib import X, display
-
-        self._display = display.Display(name)
-        self._root, self._whole = self._display.screen().root, (X.ZPixmap, 0xFFFFFFFF)
-        size = self._root.get_geometry()
-        self.size_px = size.width, size.height
-        self._curtain = self._root.create_window(0, 0, *self.size_px, 0, X.CopyFromParent, background_pixel=0)
-        self._curtain.map()
-
-    def cover(self):
-        """Black in front of what other windows show, or left behind, until the next window opens."""
-        self._curtain.raise_window()
-        self._display.sync()
-
-    def picture(self):
-        width, height = self.size_px
-        image = self._root.get_image(0, 0, width, height, *self._whole)
-        return np.frombuffer(image.data, np.uint8).reshape(height, width, 4)[:, :, 2::-1]
-
-    def close(self):
-        self._display.close()
-
-
 @dataclass(frozen=True)
 class Said:
     """An answer: `kind` of page, and which of `n` places or choices from the left (or the number that was typed)."""
@@ -169,8 +143,8 @@ class Pursuit:
 class Finger:
     """A participant at one display, whose answers a generator draws; `sensor` is a steered emulator or None."""
 
-    def __init__(self, hands, eye, rng, sensor=None):
-        self._hands, self._eye, self._rng, self._sensor = hands, eye, rng, sensor
+    def __init__(self, hands, rng, sensor=None):
+        self._hands, self._rng, self._sensor = hands, rng, sensor
         self.said = []
         self.kinds = []
         """Pages in the order in which they were seen."""
@@ -196,7 +170,7 @@ class Finger:
         return False
 
     def _look(self, now_s):
-        picture = self._eye.picture()
+        picture = self._hands.sees()
         self.steady = self.picture is not None and np.array_equal(picture, self.picture)
         self.picture = picture
         done = self._acted_on is not None and np.array_equal(picture, self._acted_on)
