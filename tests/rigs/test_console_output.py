@@ -37,8 +37,8 @@ LIMITS = Limits(100.0)
 SHORT = {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "catch_rate = 0.0"}
 
 
-def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, changes=SHORT):
-    file_bench(folder, duty)
+def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, changes=SHORT):
+    file_bench(folder, duty=1.0)
     return at_the_console(capsys, monkeypatch, tutorial_in(folder, changes), folder / "d", answers, *more)
 
 
@@ -69,16 +69,6 @@ def test_console_plays_every_stimulus_through_guard(tmp_path, capsys, monkeypatc
     assert "nothing was played" not in call(capsys, "analyse", tmp_path / "d", "--json")[2]
     onsets_s = [float(row["onset_s"]) for row in trial_rows(tmp_path / "d")]
     assert min(b - a for a, b in itertools.pairwise(onsets_s)) >= 0.12
-
-
-def test_guard_enforces_duty_limit_after_resume(tmp_path, capsys, monkeypatch):
-    for sitting in range(3):
-        more = ("--resume",) if sitting else ()
-        words = ("--bench", tmp_path / "bench.toml", *more)
-        status, said, _ = run(capsys, monkeypatch, tmp_path, *words, duty=0.0055)
-        assert status == 3
-        assert "limits.duty: found signals during 0.00666667 of the time" in said
-        assert len(list((tmp_path / "played").glob("*.npz"))) == 3
 
 
 def test_adjustment_with_output_is_refused_before_writing(tmp_path, capsys, monkeypatch):

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from benches import FILE_BENCH, UDP_HAND
-from command_line import at_the_console, call, output
+from command_line import at_the_console, call
 from emulated import Emulator
 from kept_events import Kept
 from study_texts import tutorial_in
@@ -108,19 +108,6 @@ def test_ungated_speed_has_no_band(recorded):
     assert speeds[["band_low", "band_high"]].isna().all(axis=None)
 
 
-def test_emitted_signal_is_recomputed_and_checked_by_digest(recorded, copied, capsys, tmp_path):
-    shown = ("show", copied, "--trial", 1, "--figure", tmp_path / "t.svg")
-    touch, *_ = read_traces(recorded, 1)
-    assert touch.emitted.digest() == touch.answer.digest
-    study = copied / "study.toml"
-    study.write_text(study.read_text("utf-8").replace("frequency_hz = [60]", "frequency_hz = [61]"), "utf-8")
-    other, *_ = read_traces(copied, 1)
-    assert other.emitted is None  # a signal with another digest is not returned
-    assert other.unknown.startswith(f"the study's signal differs from the recorded digest {touch.answer.digest}. ")
-    assert (touch.unknown, f"unknown: {other.unknown}" in output(capsys, *shown)) == (None, True)
-    np.testing.assert_array_equal(other.force.values, touch.force.values)
-
-
 def test_trace_files_have_sidecars_and_load_in_pandas(recorded):
     import pandas as pd
 
@@ -162,9 +149,6 @@ def test_validate_names_changed_trace_files(copied):
     force.write_bytes(kept[:50] + bytes([kept[50] ^ 1]) + kept[51:])
     (defect,) = validate(copied).defects
     assert str(defect).startswith(f"traces/{force.name}: found other samples than were stored from byte 0 on")
-    force.write_bytes(kept[:-1])
-    (defect,) = validate(copied).defects
-    assert "found its end within the next" in str(defect)
     force.unlink()
     force.with_name(force.name.replace(".tsv.gz", ".json")).unlink()
     words = [str(defect) for defect in validate(copied).defects]
