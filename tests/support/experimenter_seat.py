@@ -96,7 +96,7 @@ def kept():
 
 
 @pytest.fixture
-def bench_with(bench_of, kept, terminal):
+def bench_with(terminal, kept, bench_of):
     return lambda force_n=None: bench_of(force_n, kept=kept, terminal=terminal.desk)
 
 
