@@ -176,10 +176,7 @@ def test_guard_refuses_ledger_that_cannot_be_kept(tmp_path, clocks, content):
 
 @pytest.mark.parametrize(
     ("column", "value"),
-    [
-        *product(["boot_s", "utc_s", "duration_s"], ["text", b"\xff", float("inf"), -float("inf")]),
-        ("duration_s", -1.0),
-    ],
+    [*product(["boot_s", "utc_s", "duration_s"], ["text", b"\xff", float("inf"), -float("inf")]), ("duration_s", -1.0)],
 )
 def test_guard_refuses_ledger_with_damaged_row(tmp_path, clocks, column, value):
     n_played(guard(tmp_path, clocks), clocks)

@@ -43,10 +43,7 @@ def test_languages_do_not_share_texts(one, other, same):
 
 @pytest.mark.parametrize(
     ("language", "words"),
-    [
-        ("fr", "tu|te|toi|ton|ta|tes|prêt|prêts|sûr|certain"),
-        ("de", "du|dir|dich|dein|deine|deinen|Teilnehmer|Proband"),
-    ],
+    [("fr", "tu|te|toi|ton|ta|tes|prêt|prêts|sûr|certain"), ("de", "du|dir|dich|dein|deine|deinen|Teilnehmer|Proband")],
 )
 def test_texts_are_formal_and_gender_neutral(language, words):
     texts = texts_in(language, {})

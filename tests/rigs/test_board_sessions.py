@@ -159,10 +159,7 @@ def checked(capsys, monkeypatch, folder, study):
 TRIED = pytest.mark.parametrize("tried", [checked, on_the_console], ids=["check", "run"])
 
 
-ABOVE = (
-    "level: found 30.0 dB re 1 um, a focus of 31.62 um",
-    "lower it, lengthen reversal_s, or raise the supply",
-)
+ABOVE = ("level: found 30.0 dB re 1 um, a focus of 31.62 um", "lower it, lengthen reversal_s, or raise the supply")
 BELOW = (
     "level: found 0.3162 V, expected at least 17.89 V, which pulses of 1 sample at the 100 V of the supply",
     "raise the level or the rate of the board, lower its supply, or let the session set the supply (",

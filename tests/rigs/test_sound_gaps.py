@@ -30,6 +30,7 @@ def held_up(process, for_s):
     process.send_signal(signal.SIGCONT)
 
 
+@pytest.mark.slow
 def test_gap_during_stimulus_invalidates_its_trial(needed, display, sink, tmp_path, in_background):
     study, device = study_in(tmp_path, 1, "1 s"), Emulator("lsl", tmp_path, profile="1:100")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio pulse, int16", system_volume=1.0))

@@ -5,12 +5,7 @@ import io
 import json
 from pathlib import Path
 
-YES_NO = {
-    "S01": (1, 1, 7, 12, 11),
-    "S02": (0, 0, 6, 11, 12),
-    "S03": (1, 0, 4, 11, 12),
-    "S04": (1, 2, 6, 12, 12),
-}
+YES_NO = {"S01": (1, 1, 7, 12, 11), "S02": (0, 0, 6, 11, 12), "S03": (1, 0, 4, 11, 12), "S04": (1, 2, 6, 12, 12)}
 """Positive answers of 12 at the levels 2 to 10; the true threshold is 6."""
 NEGATIVE = {"S01": (1, 0, 5, 13, 14), "S02": (1, 2, 6, 12, 14), "S03": (0, 3, 8, 11, 14)}
 """Positive answers of 14 at the levels -12 to 0."""
@@ -146,10 +141,7 @@ CASES = {
     ),
     "alternatives": ('[constants]\ntask = "forced_choice"\n', {"t.csv": alternatives()}),
     "leading_zeros": (MAP, {"t.csv": table(without_zeros())}),
-    "counts": (
-        TASK + COUNTS,
-        {"t.csv": table(COUNTED, ("participant", "level", "n_yes", "n_total"))},
-    ),
+    "counts": (TASK + COUNTS, {"t.csv": table(COUNTED, ("participant", "level", "n_yes", "n_total"))}),
     "unmapped_counts": (TASK, {"t.csv": table(COUNTED, ("participant", "level", "n_yes", "n_total"))}),
     "code_in_name": (MAP + '[from_name]\nparticipant = "*"\n', {f"d/{k}": v for k, v in by_name("{}.csv").items()}),
     "code_within_name": (

@@ -153,6 +153,10 @@ def page_of(requests, n):
     return f"Fill {n - first}"
 
 
+KNOWN_BY = {"words": 1.0, "form": 0.08}
+"""The part of a page, from its top, that tells it from others: all of a text, a form's prompt and page number."""
+
+
 def killed_on_each_page(seat, turns):
     """Kill a session on each new page and resume it until it completes."""
     known, killed, said = set(), [], []
@@ -161,7 +165,8 @@ def killed_on_each_page(seat, turns):
         seen = finger.seen
         if not is_whole(finger):
             return False
-        key = (seen.kind, seen.marker, len(seen.rows), finger.picture[: told_px(seen)].tobytes())
+        n_px = round(KNOWN_BY.get(seen.kind, 0.0) * seen.height_px)
+        key = (seen.kind, seen.marker, len(seen.rows), finger.picture[:n_px].tobytes())
         new = key not in known
         known.add(key)
         return new
@@ -195,21 +200,8 @@ def is_whole(finger):
     """
     seen = finger.seen
     passes = seen.kind == "touch" or (seen.kind == "words" and not seen.asks)
-    is_page = seen.kind != "nothing" and (seen.kind != "form" or any_marked(seen))
+    is_page = seen.kind != "nothing" and (seen.kind != "form" or bool(set(seen.marked) - {None}))
     return is_page and (passes or finger.steady)
-
-
-def told_px(seen):
-    """Return how many pixel rows from the top identify the page.
-
-    A text page needs all rows, a form only those with its prompt and page number.
-    """
-    parts = {"words": 1.0, "form": 0.08}
-    return round(parts.get(seen.kind, 0.0) * seen.height_px)
-
-
-def any_marked(seen):
-    return any(mark is not None for mark in seen.marked)
 
 
 @pytest.mark.slow
