@@ -80,12 +80,6 @@ def test_leaving_incomplete_page_requires_separate_key(bench, participant, watch
     assert bench.answer(PAGE).values == (4.0, *(None,) * 6)
 
 
-def test_form_is_unmarked_before_an_answer(bench):
-    blank = form.Marks((None,) * 7)
-    page = form.form_page(drawn(), blank, ASPECT)
-    assert not [item for item in page.items if getattr(item, "fill", None) == form.GOOD]
-
-
 def test_touch_sets_value_on_continuous_line(bench, participant):
     participant.answers(place(0, 75, VAS), place(1, 50, VAS), 0.05, OK)
     assert bench.answer(VAS).values == pytest.approx((75, 50), abs=1)

@@ -114,11 +114,3 @@ def at(shown, answer):
     """Return a point where a mouse press gives this answer."""
     places = ((x / 100, y / 100) for x in range(-80, 81) for y in range(-50, 51))
     return next(place for place in places if shown.answer(Click(*place, 0.0)) == answer)
-
-
-def test_form_can_be_completed_by_mouse():
-    asked = seven_steps(("", "a", "b"), ("", "c", "d"))
-    marks = asked.begun()
-    for answer in ((0, 3), (1, 6), layout.CONFIRM):
-        marks, left = after_click(asked, marks, answer)
-    assert (marks.places, left) == ((3, 6), True)
