@@ -2,8 +2,6 @@
 
 import os
 import re
-import subprocess
-import sys
 import time
 from functools import partial
 from itertools import product
@@ -14,6 +12,7 @@ import pytest
 from emulated import LIBRARIES, Emulator, available, wait_for
 from patience import LONGEST_WAIT_S
 from soak import SOAK
+from window_sitting import python
 
 from tactometry.devices.sensors.counted_samples import STEP_S
 from tactometry.devices.sensors.lsl import LslSettings
@@ -154,8 +153,7 @@ def test_lsl_library_is_silent_unless_configured(tmp_path, settings):
     if settings:
         (tmp_path / "lsl_api.cfg").write_text(settings, encoding="utf-8")
     env = {**os.environ, "HOME": str(tmp_path)}
-    command = [sys.executable, "-c", SEARCH]
-    said = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, check=True)
+    said = python("-c", SEARCH, cwd=tmp_path, env=env, check=True)
     assert said.stdout == "lsl none: found no such stream in 0.1 s, expected a running outlet\n"
     assert ("INFO" in said.stderr) is bool(settings)
     assert settings or said.stderr == ""

@@ -1,14 +1,12 @@
 """A bench on which a texture follows a finger that a UDP sensor measures, into a sound server; a study on it."""
 
-import subprocess
-import sys
 from itertools import product
 
 import numpy as np
 from benches import UDP_HAND, gain_toml
-from patience import LONGEST_PROGRAM_S
 from study_texts import changed
 from tables import trial_rows
+from window_sitting import python
 
 from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.study.experiment import wire
@@ -82,10 +80,8 @@ def texture_bench(folder, port, position=POSITION, more=""):
 
 
 def console_session(study, bench, out, env, n_answers=50):
-    words = ["run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", out]
-    command = [sys.executable, "-m", "tactometry", *map(str, words)]
-    pipes = {"input": "1\n" * n_answers, "capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
-    done = subprocess.run(command, env=env, check=False, **pipes)
+    words = ("run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", out)
+    done = python("-m", "tactometry", *words, env=env, input="1\n" * n_answers)
     return done.returncode, done.stdout, done.stderr
 
 

@@ -1,14 +1,12 @@
 """A Builder experiment with our components, compiled and run by PsychoPy."""
 
 import json
-import subprocess
-import sys
 
 import pytest
-from patience import LONGEST_PROGRAM_S
 from places import ROOT
 from script_bench import run_script
 from tables import rows_of
+from window_sitting import python
 
 from tactometry.questionnaire import load
 
@@ -22,18 +20,11 @@ compileScript("felt.psyexp", None, "felt.py")
 """
 
 
-def python(folder, *command):
-    how = {"cwd": folder, "capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
-    done = subprocess.run([sys.executable, *command], **how, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout + done.stderr
-
-
 @pytest.fixture(scope="module")
 def compiled(display, tmp_path_factory):
     folder = tmp_path_factory.mktemp("builder")
-    python(folder, BUILDER_FILE, "felt.psyexp")
-    python(folder, "-c", COMPILE)
+    python(BUILDER_FILE, "felt.psyexp", cwd=folder, check=True)
+    python("-c", COMPILE, cwd=folder, check=True)
     return folder
 
 
@@ -48,7 +39,7 @@ print(json.dumps({name: list(each["params"]) for name, each in told.items() if e
 
 
 def test_builder_lists_components_with_their_fields(display, tmp_path):
-    told = json.loads(python(tmp_path, "-c", TOLD).splitlines()[0])
+    told = json.loads(python("-c", TOLD, cwd=tmp_path, check=True).stdout.splitlines()[0])
     components = {"GatedTouchComponent", "TactileStimulusComponent", "QuestionnaireComponent"}
     assert told.keys() == components | {"TactometryLoop"}
     assert all({"name", "study", "bench", "factors"} <= set(fields) for fields in told.values())

@@ -1,13 +1,12 @@
 """Errors for a missing display, PsychoPy or keyboard, and the lifetime of the key queue."""
 
 import os
-import subprocess
 import sys
 from importlib.util import find_spec
 
 import pytest
-from patience import LONGEST_PROGRAM_S
 from places import ROOT
+from window_sitting import python
 
 OPEN = """
 from tactometry.errors import DeviceFailed
@@ -21,9 +20,8 @@ except DeviceFailed as error:
 
 def said(script, **environment):
     kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    pipes = {"capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
-    process = subprocess.run([sys.executable, "-c", script], env=kept | environment, check=True, **pipes)
-    [line] = [line for line in process.stdout.splitlines() if line]
+    done = python("-c", script, env=kept | environment, check=True)
+    [line] = [line for line in done.stdout.splitlines() if line]
     return line
 
 
@@ -132,7 +130,6 @@ def test_key_queue_survives_many_presses(display, tmp_path):
     """PsychoPy's default queue crashes after 5000 unread presses."""
     paths = os.pathsep.join([str(ROOT / "tests" / "support"), *sys.path])
     environment = {**os.environ, "HOME": str(tmp_path), "PYTHONPATH": paths}
-    pipes = {"capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
-    ran = subprocess.run([sys.executable, "-c", SCRIPT], env=environment, check=False, **pipes)
+    ran = python("-c", SCRIPT, env=environment)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.split("\n")[:3] == ["5200", "1", "1 ()"]
