@@ -183,7 +183,8 @@ INNER = {
 """Modules and functions whose arguments are arrays that the public functions make."""
 CLASSES = {"NamedGlass", "Place", "PlacedFoci", "FingersSensation"}
 """Classes that are called with values of their own."""
-INHERITED = {"focusing.pulse_width": ["PulseWidth.size"], "plate.modes": ["SeparableModes.field", "RitzModes.field"]}
+ALSO = {"focusing.pulse_width": ["PulseWidth.size"], "plate.modes": ["SeparableModes.field", "RitzModes.field"]}
+"""Methods of effects, and methods that classes inherit."""
 
 
 def names_of(inner: str, module: ModuleType) -> Iterator[str]:
@@ -210,7 +211,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
     for info in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
         inner = info.name.removeprefix(f"{package.__name__}.")
         if not (info.ispkg or inner.startswith("figures") or inner in INNER):
-            names = [*names_of(inner, importlib.import_module(info.name)), *INHERITED.get(inner, ())]
+            names = [*names_of(inner, importlib.import_module(info.name)), *ALSO.get(inner, ())]
             found[inner] = {name: _arguments(inner, name, files | {"paths": [npz]}) for name in names}
     return found
 
