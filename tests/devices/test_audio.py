@@ -38,20 +38,20 @@ def asked(n_channels, device, duration_s, **more):
     return {"n_channels": n_channels, "rate_hz": 48_000.0, "device": device, "duration_s": duration_s, **more}
 
 
-def told_by(command, env):
+def output_of(command, env):
     return subprocess.run(command, env=env, check=True, timeout=LONGEST_PROGRAM_S, capture_output=True).stdout.decode()
 
 
 @pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, 48e3), (8, 48e3), (32, 48e3), (2, 192e3)])
 def test_file_output_receives_every_sample(alsa, tmp_path, n_channels, rate_hz):
     what = asked(n_channels, "tofile", 1.0, rate_hz=rate_hz)
-    told_by([*PROGRAM, json.dumps(what)], alsa)
+    output_of([*PROGRAM, json.dumps(what)], alsa)
     assert played((tmp_path / "played.raw").read_bytes(), player.frames(what))
 
 
 def test_signal_fades_to_zero_before_the_next_begins(alsa, tmp_path):
     what = asked(1, "tofile", 60.0, then_s=[0.1])
-    told_by([*PROGRAM, json.dumps(what)], alsa)
+    output_of([*PROGRAM, json.dumps(what)], alsa)
     heard = heard_part(np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")[:, None])[:, 0]
     first, second = (player.frames(asked(1, "tofile", duration_s))[:, 0] for duration_s in (60.0, 0.1))
     assert np.array_equal(heard[-len(second) :], second)
@@ -82,10 +82,10 @@ except Exception as error:
     ],
 )
 def test_unusable_card_is_named_in_one_sentence(alsa, settings, message):
-    told = told_by([sys.executable, "-c", OPEN, json.dumps(settings)], alsa)
-    assert told.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
-    assert message in told
-    assert "nothing was played" in told
+    report = output_of([sys.executable, "-c", OPEN, json.dumps(settings)], alsa)
+    assert report.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
+    assert message in report
+    assert "nothing was played" in report
 
 
 def test_rounding_never_raises_a_sample():
@@ -101,7 +101,7 @@ def test_shared_card_is_refused_unless_allowed(sink):
 
     def opened(device):
         settings = json.dumps({"device": device, "sample_format": "int16"})
-        return told_by([sys.executable, "-c", OPEN, settings], sink.env)
+        return output_of([sys.executable, "-c", OPEN, settings], sink.env)
 
     assert opened("pulse").startswith("DeviceFailed output audio: found 'pulse' (ALSA), which other programs may use")
     assert opened("pulse").endswith("a separate card, or shared = true in [output]; nothing was played\n")
@@ -143,7 +143,7 @@ def runs(sink, what):
     """Yield the report and the recorded frames of each run without an underrun."""
     for _ in range(N_RUNS):
         sink.begin()
-        report = told_by([*PROGRAM, json.dumps(what)], sink.env)
+        report = output_of([*PROGRAM, json.dumps(what)], sink.env)
         frames = sink.end()
         if json.loads(report.splitlines()[-1])["n_underruns"] == 0:
             yield report, heard_part(frames)
@@ -232,8 +232,8 @@ def held_up_process(sink, for_s):
         process.send_signal(signal.SIGSTOP)
         time.sleep(for_s)
         process.send_signal(signal.SIGCONT)
-        told, _ = process.communicate(timeout=LONGEST_PROGRAM_S)
-    return heard_part(sink.end()), json.loads(re.search(rb"\{.*?\}", told)[0])["n_underruns"]
+        report, _ = process.communicate(timeout=LONGEST_PROGRAM_S)
+    return heard_part(sink.end()), json.loads(re.search(rb"\{.*?\}", report)[0])["n_underruns"]
 
 
 def test_suspended_process_reports_underruns_and_plays_nothing_more(sink):

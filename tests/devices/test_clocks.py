@@ -158,10 +158,10 @@ def test_steps_back_count_within_and_between_blocks():
     assert arrivals.n_steps_back == 2
 
 
-class Told:
+class Shifted:
     """Source of blocks of one sample, each with a stamp shifted by `off_s`."""
 
-    name, n_channels, rate_hz = "told", 1, 100.0
+    name, n_channels, rate_hz = "shifted", 1, 100.0
 
     def __init__(self, off_s):
         self._off_s = iter(off_s)
@@ -184,7 +184,7 @@ class Told:
 
 def test_reader_drops_only_blocks_with_rejected_stamps():
     """The source stays open, and its listeners receive empty blocks."""
-    source, n_silent = Told([0.0, 0.0, 5.0, 6.0, 0.0, math.nan, 0.0]), []
+    source, n_silent = Shifted([0.0, 0.0, 5.0, 6.0, 0.0, math.nan, 0.0]), []
     reader = Reader(source)
     listener = reader.listen()
     reader.subscribe(lambda block: n_silent.append(block.times_s.size == 0))

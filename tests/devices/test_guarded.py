@@ -37,7 +37,7 @@ def clock():
 
 
 @pytest.fixture
-def told(clock):
+def reported(clock):
     """Guard without a load, with a list of its reports."""
     output, found = Guarded(Clipping(), LIMITS, clock=clock), []
     output.subscribe(lambda *emission: found.append(emission[1:]), found.append)
@@ -49,8 +49,8 @@ def volts(volt=10.0, duration_s=1.0):
     return Signal(np.full((1, round(1e3 * duration_s)), volt), 1e3, "V")
 
 
-def test_signal_without_a_load_passes_no_charge(told):
-    output, found = told
+def test_signal_without_a_load_passes_no_charge(reported):
+    output, found = reported
     output.play(volts())
     output.stop()
     assert found == [(1.0, 0.0), 0.0]
@@ -88,8 +88,8 @@ def test_guard_counts_signal_when_play_is_interrupted(clock, error):
     assert found == pytest.approx([1e-5, 5e-6], rel=0.1)  # 10 V through 1 Mohm: all of it, and 0.5 s
 
 
-def test_guard_refuses_signal_that_driver_would_clip(told):
-    output, _ = told
+def test_guard_refuses_signal_that_driver_would_clip(reported):
+    output, _ = reported
     with pytest.raises(LimitExceeded, match="voltage_peak_v"):
         output.play(volts(101.0))
 

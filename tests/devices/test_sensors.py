@@ -181,12 +181,12 @@ def test_ambiguous_outlet_needs_a_source_id(plugged, monkeypatch):
         one.reader.open()
     with pytest.raises(DeviceFailed, match=f"{both} with 'middle'"):
         LslSettings(one.name, 1000.0, 3, "middle").source().open()
-    told = Reader(LslSettings(one.name, 1000.0, 3, "right").source())
-    force = streamed_force(told, 2, ForceCalibration(newtons_per_count=0.01))
+    reader = Reader(LslSettings(one.name, 1000.0, 3, "right").source())
+    force = streamed_force(reader, 2, ForceCalibration(newtons_per_count=0.01))
     force.open()
     _, forces_n = collected(force, lambda times: len(times) > 100)
     assert np.allclose(forces_n, 7.0)
-    assert told.facts()["source_id"] == "right"
+    assert reader.facts()["source_id"] == "right"
     force.close()
     other.unplug()
     other.plug()

@@ -142,11 +142,11 @@ HELD_UP_S = [(0.1, 0.3), (0.3, 0.12), (0.45, 0.4)]
 def test_audible_gap_is_always_reported(output, sink):
     """The server stalls at several times. Some reported gaps are inaudible."""
 
-    def told():
+    def is_reported():
         found = [heard_while_held_up(output, sink, *each) for each in HELD_UP_S]
         return any(not whole for whole, _ in found) and all(whole or n_gaps for whole, n_gaps in found)
 
-    assert any_of(told)
+    assert any_of(is_reported)
 
 
 class Asking:

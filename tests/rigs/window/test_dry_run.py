@@ -40,13 +40,13 @@ def bench_with(bench_of, watched, hands, in_background):
     return lambda force_n=None: (bench_of(force_n, screen=screen, kept=kept, tone=BLIP, dry_run=True), kept)
 
 
-def told(page):
+def words_on(page):
     return [item.words for item in page.items if isinstance(item, Text)]
 
 
 def shown(watched, name):
     words = ENGLISH[name].strip().partition("\n\n")[0]
-    return sum(words in told(page) for page in watched.pages)
+    return sum(words in words_on(page) for page in watched.pages)
 
 
 def of_dry_runs(kept):
@@ -57,8 +57,8 @@ def test_dry_run_runs_once_without_stimulus(bench_with, watched, log):
     bench, kept = bench_with(lambda time_s: 1.0)
     assert bench.answer(PRESS).valid
     assert log == ["output.open", "output.stop", "play 5 V", "output.stop"]
-    assert told(watched.pages[0])[0] == ENGLISH["how_press"]
-    assert ENGLISH["meaning_bar"] in told(watched.pages[0])
+    assert words_on(watched.pages[0])[0] == ENGLISH["how_press"]
+    assert ENGLISH["meaning_bar"] in words_on(watched.pages[0])
     assert [shown(watched, name) for name in ("dry_run", "dry_run_held", "dry_run_lost")] == [1, 1, 0]
     assert of_dry_runs(kept) == ["press: held"]
     n_pages = len(watched.pages)
@@ -81,7 +81,7 @@ def test_each_touch_kind_has_a_dry_run(bench_with, watched):
     for request in (PRESS, SLIDE, PRESS, SLIDE):
         assert bench.answer(request).valid
     assert of_dry_runs(kept) == ["press: held", "slide: held"]
-    pictures = [told(page) for page in watched.pages if ENGLISH["meaning_circle"] in told(page)]
+    pictures = [words_on(page) for page in watched.pages if ENGLISH["meaning_circle"] in words_on(page)]
     assert [picture[0] for picture in pictures] == [ENGLISH["how_press"], ENGLISH["how_slide"]]
     meanings = [[name for name in ("bar", "dot", "ring") if ENGLISH[f"meaning_{name}"] in each] for each in pictures]
     assert meanings == [[], ["dot"]]
