@@ -103,14 +103,14 @@ def stretches(frames, least=4800):
 def touches_heard_as_asked(study, data, frames):
     """Return the rows of all touches of a session, of which the sink heard one as its places in the data set ask for.
 
-    Without gaps it heard as many stretches as touches; a busy sound server tears a touch into several.
+    Without gaps it heard each touch; a busy sound server tears one into several stretches, which no program notices.
     """
     rows, paths = trial_rows(data), paths_in(data)
     touched = [row for row in rows if row["positions_digest"]]
     assert len(touched) >= 2, rows
     [stimulus, *_] = wire(parse(study.read_bytes(), "s.toml"), "s.toml").bank.values()
     heard = stretches(frames)
-    assert len(heard) == len(touched) or any(row["n_gaps"] != "0" for row in touched)
+    assert len(heard) >= len(touched) or any(row["n_gaps"] != "0" for row in touched)
     sound = [row for row in touched if (row["valid"], row["positions_late"]) == ("1", "0")]
     wanted = [numbers_of(stimulus, paths[row["positions_digest"]]) for row in sound]
     assert any(alike(record[:, 0].astype(float), numbers) for numbers, record in product(wanted, heard)), rows
