@@ -1,5 +1,6 @@
 """Adopted windows of PsychoPy scripts, restored after use."""
 
+import threading
 import time
 
 import numpy as np
@@ -188,8 +189,17 @@ def test_rig_restores_window_after_each_answer(scene, output, hands, in_backgrou
     rig.answer(Wait(0.05))
     assert state(scene) == before
     assert np.array_equal(seen(scene), looked)
-    in_background(lambda: (time.sleep(0.5), hands.tap("y")))
-    assert rig.answer(Choose("felt", (0, 1), ("no", "yes"))).option == 1
+    answered = threading.Event()
+
+    def tap_until_answered():
+        while not answered.wait(0.3):
+            hands.tap("y")
+
+    in_background(tap_until_answered)
+    try:
+        assert rig.answer(Choose("felt", (0, 1), ("no", "yes"))).option == 1
+    finally:
+        answered.set()
     assert state(scene) == before
     rig.close()
     assert state(scene) == before
