@@ -8,6 +8,7 @@ import shutil
 import threading
 import time
 import zlib
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -16,16 +17,21 @@ import pytest
 from calibrating import calibrate
 from compile_once import compile_once
 from force_bench import needed
-from growing_journal import journal
 from hands import SCREEN_PX, Hands
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
 from patience import LONGEST_WAIT_S
+from sampled import Passing
 from scratch import write_in_memory
 from soak import SOAK
-from sound_server import alsa, server, sink
+from sound_server import alsa, portaudio, server, sink
 
-__all__ = ["alsa", "calibrate", "journal", "needed", "pytest_addoption", "pytest_sessionfinish", "server", "sink"]
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import Driver
+from tactometry.safety.limits import Limits
+
+__all__ = ["alsa", "calibrate", "needed", "portaudio", "pytest_addoption", "pytest_sessionfinish"]
+__all__ += ["server", "sink"]
 
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))
 settings.register_profile("reduced", deadline=None, max_examples=100, derandomize=True)
@@ -191,30 +197,52 @@ def in_background():
         raise errors[0]
 
 
-class Watched:
+class Watched(Passing):
     """A window that tells a thread when a page is shown, and notes when it would be closed."""
 
     def __init__(self, window, log):
-        self._window = window
+        super().__init__(window)
         self._log = log
         self.shown = queue.Queue()
         self.pages, self.drawn = [], []
 
-    def __getattr__(self, name):
-        return getattr(self._window, name)
-
     def present(self, page):
-        flipped_s = self._window.present(page)
+        flipped_s = self.wrapped.present(page)
         self.pages.append(page)
         self.shown.put(flipped_s)
         return flipped_s
 
     def refresh(self, page):
         self.drawn.append(page)
-        return self._window.refresh(page)
+        return self.wrapped.refresh(page)
 
     def close(self):
         self._log.append("screen.close")
+
+
+class LoggedDriver(Driver):
+    """A driver whose calls are logged in a list."""
+
+    name, n_channels, rate_hz, full_scale_v, connected = "list", 1, 20_000.0, 50.0, False
+
+    def __init__(self, log):
+        self._log = log
+
+    def final(self, signal):
+        return signal
+
+    def open(self):
+        self._log.append("output.open")
+
+    def play(self, signal):
+        self._log.append(f"play {signal.peak:.3g} V")
+        return time.perf_counter()
+
+    def stop(self):
+        self._log.append("output.stop")
+
+    def close(self):
+        self._log.append("output.close")
 
 
 @pytest.fixture
@@ -231,11 +259,6 @@ def watched(screen, log, monkeypatch):
 
 @pytest.fixture
 def output(log):
-    from logged_driver import LoggedDriver
-
-    from tactometry.devices.outputs.guarded import Guarded
-    from tactometry.safety.limits import Limits
-
     return Guarded(LoggedDriver(log), Limits(voltage_peak_v=50.0))
 
 
@@ -312,3 +335,27 @@ def whole(tmp_path_factory):
 def lived(whole, tmp_path):
     """A copy of it to spoil."""
     return Path(shutil.copytree(whole, tmp_path / "d"))
+
+
+@dataclass
+class GrowingJournal:
+    """A journal that contains as many of a session's lines as requested."""
+
+    path: Path
+    lines: list
+
+    @property
+    def root(self):
+        return self.path.parents[1]
+
+    def holds(self, n_lines=None, more=b""):
+        """Write the first lines, or all, and any text after them."""
+        self.path.write_bytes(b"".join(self.lines[:n_lines]) + more)
+
+
+@pytest.fixture
+def journal(whole, tmp_path):
+    (tmp_path / "journals").mkdir()
+    (tmp_path / "study.toml").write_bytes((whole / "study.toml").read_bytes())
+    [recorded] = (whole / "journals").glob("*.jsonl")
+    return GrowingJournal(tmp_path / "journals" / recorded.name, recorded.read_bytes().splitlines(keepends=True))

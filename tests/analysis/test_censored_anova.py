@@ -7,10 +7,8 @@ import mpmath
 import numpy as np
 import pandas as pd
 import pytest
-from designs import NAMES, drawn, long_table
-from grouped_design import study as of_groups
+from designs import GIVEN, NAMES, cut, drawn, long_table, open_ended, study as of_groups
 from hard_cases import exact_case, hard_case
-from open_ends import GIVEN, cut, open_ended
 from scipy.integrate import dblquad
 from scipy.stats import multivariate_normal
 

@@ -3,9 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from designs import drawn, long_table
-from grouped_design import study as of_groups
-from open_ends import GIVEN, cut, open_ended
+from designs import GIVEN, cut, drawn, long_table, open_ended, study as of_groups
 
 from tactometry.analysis.anova.censored import (
     CensoredAnova,

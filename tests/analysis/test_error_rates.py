@@ -8,8 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 import pytest
-from designs import long_table
-from open_ends import GIVEN, cut
+from designs import GIVEN, cut, long_table
 from scipy.special import fdtrc
 from scipy.stats import norm, t as student
 from soak import SOAK

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
-from grouped_design import study
+from designs import study
 from hard_cases import exact_case, hard_case
 
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic

@@ -38,20 +38,20 @@ def asked(n_channels, device, duration_s, **more):
     return {"n_channels": n_channels, "rate_hz": 48_000.0, "device": device, "duration_s": duration_s, **more}
 
 
-def told_by(command, env):
+def output_of(command, env):
     return subprocess.run(command, env=env, check=True, timeout=LONGEST_PROGRAM_S, capture_output=True).stdout.decode()
 
 
 @pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, 48e3), (8, 48e3), (32, 48e3), (2, 192e3)])
 def test_file_output_receives_every_sample(alsa, tmp_path, n_channels, rate_hz):
     what = asked(n_channels, "tofile", 1.0, rate_hz=rate_hz)
-    told_by([*PROGRAM, json.dumps(what)], alsa)
+    output_of([*PROGRAM, json.dumps(what)], alsa)
     assert played((tmp_path / "played.raw").read_bytes(), player.frames(what))
 
 
 def test_signal_fades_to_zero_before_the_next_begins(alsa, tmp_path):
     what = asked(1, "tofile", 60.0, then_s=[0.1])
-    told_by([*PROGRAM, json.dumps(what)], alsa)
+    output_of([*PROGRAM, json.dumps(what)], alsa)
     heard = heard_part(np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")[:, None])[:, 0]
     first, second = (player.frames(asked(1, "tofile", duration_s))[:, 0] for duration_s in (60.0, 0.1))
     assert np.array_equal(heard[-len(second) :], second)
@@ -82,10 +82,10 @@ except Exception as error:
     ],
 )
 def test_unusable_card_is_named_in_one_sentence(alsa, settings, message):
-    told = told_by([sys.executable, "-c", OPEN, json.dumps(settings)], alsa)
-    assert told.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
-    assert message in told
-    assert "nothing was played" in told
+    report = output_of([sys.executable, "-c", OPEN, json.dumps(settings)], alsa)
+    assert report.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
+    assert message in report
+    assert "nothing was played" in report
 
 
 def test_rounding_never_raises_a_sample():
@@ -96,25 +96,12 @@ def test_rounding_never_raises_a_sample():
         hard_case("samples of 16 bits", final.samples, signal.samples, 6.2e-5, against="the signal", floor=1)
 
 
-def test_stop_fades_to_zero_within_a_block():
-    course = FrameFeed(np.full((1000, 2), 1000, "int16"), n_fade=48)
-    assert np.all(course.take(240) == 1000)
-    course.stop()
-    last = course.take(240)
-    assert len(last) == 48
-    assert last[0, 0] == 1000
-    assert np.all(np.diff(last[:, 0]) < 0)
-    assert last[-1, 0] <= 1000 / 48 + 1
-    assert course.finished
-    assert len(course.take(240)) == 0
-
-
 def test_shared_card_is_refused_unless_allowed(sink):
     """The other tests with this sound server set `shared`."""
 
     def opened(device):
         settings = json.dumps({"device": device, "sample_format": "int16"})
-        return told_by([sys.executable, "-c", OPEN, settings], sink.env)
+        return output_of([sys.executable, "-c", OPEN, settings], sink.env)
 
     assert opened("pulse").startswith("DeviceFailed output audio: found 'pulse' (ALSA), which other programs may use")
     assert opened("pulse").endswith("a separate card, or shared = true in [output]; nothing was played\n")
@@ -148,29 +135,33 @@ def test_gain_is_refused_when_system_volume_differs(sink, monkeypatch):
 # --- in real time
 
 
-def undisturbed(sink, what, n_runs=4):
-    """Repeat a run on a busy machine until one has no underrun, and return it."""
-    for _ in range(n_runs):
+N_RUNS = 4
+"""On a busy machine the card or the sound server may drop samples, and a run is repeated."""
+
+
+def runs(sink, what):
+    """Yield the report and the recorded frames of each run without an underrun."""
+    for _ in range(N_RUNS):
         sink.begin()
-        told = told_by([*PROGRAM, json.dumps(what)], sink.env)
+        report = output_of([*PROGRAM, json.dumps(what)], sink.env)
         frames = sink.end()
-        if json.loads(told.splitlines()[-1])["n_underruns"] == 0:
-            return told, heard_part(frames)
-    pytest.fail(f"underruns in each of {n_runs} runs")
+        if json.loads(report.splitlines()[-1])["n_underruns"] == 0:
+            yield report, heard_part(frames)
 
 
 def test_sink_receives_every_sample_in_real_time(sink):
     what = asked(2, "pulse", 1.0, lead_s=0.3, tail_s=0.3, latency_s=0.1)
-    _, frames = undisturbed(sink, what)
-    assert np.array_equal(frames, player.frames(what))
+    assert any(np.array_equal(frames, player.frames(what)) for _, frames in runs(sink, what))
 
 
 def test_stop_reaches_the_sink_within_a_block(sink):
-    what = asked(2, "pulse", 20.0, lead_s=0.3, tail_s=0.3, stop_s=0.3)
-    said, frames = undisturbed(sink, what)
-    n_given = int(said.split("stopped ")[1].split()[0])
-    assert len(frames) <= n_given + 2 * 240
-    assert np.array_equal(frames[:-48], player.frames(what)[: len(frames) - 48])
+    what, as_given = asked(2, "pulse", 20.0, lead_s=0.3, tail_s=0.3, stop_s=0.3, latency_s=0.3), []
+    for report, frames in runs(sink, what):
+        assert len(frames) <= int(report.split("stopped ")[1].split()[0]) + 2 * 240
+        as_given.append(np.array_equal(frames[:-48], player.frames(what)[: len(frames) - 48]))
+        if as_given[-1]:
+            break
+    assert any(as_given)
 
 
 def killed(sink, what):
@@ -191,8 +182,9 @@ def test_killed_process_falls_silent(sink):
         sink.begin()
         n_given, frames = killed(sink, what)
         assert not frames[-4800:].any()
-        heard = heard_part(frames)
-        as_given.append(len(heard) <= n_given + 2 * 240 and np.array_equal(heard, player.frames(what)[: len(heard)]))
+        heard = heard_part(frames) if frames.any() else frames
+        is_given = np.array_equal(heard, player.frames(what)[: len(heard)])
+        as_given.append(heard.any() and is_given and len(heard) <= n_given + 2 * 240)
     assert as_given[-1]
 
 
@@ -240,22 +232,22 @@ def held_up_process(sink, for_s):
         process.send_signal(signal.SIGSTOP)
         time.sleep(for_s)
         process.send_signal(signal.SIGCONT)
-        told, _ = process.communicate(timeout=LONGEST_PROGRAM_S)
-    return heard_part(sink.end()), json.loads(re.search(rb"\{.*?\}", told)[0])["n_underruns"]
+        report, _ = process.communicate(timeout=LONGEST_PROGRAM_S)
+    return heard_part(sink.end()), json.loads(re.search(rb"\{.*?\}", report)[0])["n_underruns"]
 
 
-def test_suspended_process_reports_its_underruns(sink):
+def test_suspended_process_reports_underruns_and_plays_nothing_more(sink):
     """A busy computer may suspend it late, hence three attempts."""
-    assert any(held_up_process(sink, for_s=0.5)[1] >= 1 for _ in range(3))
 
+    def is_cut():
+        heard, n_underruns = held_up_process(sink, for_s=1.0)
+        return 0 < len(heard) < 0.7 * 48_000 and n_underruns >= 1
 
-def test_suspended_process_plays_nothing_after_it_continues(sink):
-    assert any(0 < len(held_up_process(sink, for_s=1.0)[0]) < 0.7 * 48_000 for _ in range(3))
+    assert any(is_cut() for _ in range(3))
 
 
 @st.composite
 def feeds(draw):
-    """Draw frames, the length of the fade, block sizes and the stop."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     frames = rng.uniform(-1.0, 1.0, (draw(st.integers(1, 300)), 1))
     sizes = draw(st.lists(st.integers(1, 64), min_size=1, max_size=60))

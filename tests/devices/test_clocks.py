@@ -16,7 +16,6 @@ from tactometry.errors import DeviceFailed
 
 @given(st.lists(st.tuples(st.integers(0, 40), st.booleans()), max_size=60))
 def test_repeated_samples_are_counted_and_ignored(repeats):
-    """An earlier sample may arrive again, in any block."""
     straight, torn = CountedSamples(1e-3, settling_s=0.0), CountedSamples(1e-3, settling_s=0.0)
     for n, (back, beside) in enumerate(repeats, start=50):
         sample, again, arrival_s = (n, n, (n,)), (n - back, n - back, (n - back,)), 1e-3 * n
@@ -74,7 +73,6 @@ def test_clock_within_one_percent_is_accepted(rate):
 
 
 def test_late_samples_at_start_change_no_clock_offset():
-    """The samples of the first three seconds arrive together."""
     clocks = ClockMap()
     for n in range(8000):
         clocks = clocks.after(1e-3 * n, max(1e-3 * n, 3.0))
@@ -160,10 +158,10 @@ def test_steps_back_count_within_and_between_blocks():
     assert arrivals.n_steps_back == 2
 
 
-class Told:
+class Shifted:
     """Source of blocks of one sample, each with a stamp shifted by `off_s`."""
 
-    name, n_channels, rate_hz = "told", 1, 100.0
+    name, n_channels, rate_hz = "shifted", 1, 100.0
 
     def __init__(self, off_s):
         self._off_s = iter(off_s)
@@ -186,7 +184,7 @@ class Told:
 
 def test_reader_drops_only_blocks_with_rejected_stamps():
     """The source stays open, and its listeners receive empty blocks."""
-    source, n_silent = Told([0.0, 0.0, 5.0, 6.0, 0.0, math.nan, 0.0]), []
+    source, n_silent = Shifted([0.0, 0.0, 5.0, 6.0, 0.0, math.nan, 0.0]), []
     reader = Reader(source)
     listener = reader.listen()
     reader.subscribe(lambda block: n_silent.append(block.times_s.size == 0))
@@ -201,8 +199,6 @@ def test_reader_drops_only_blocks_with_rejected_stamps():
 
 
 class HalfOpen(Source):
-    """Source whose second part is missing."""
-
     def __init__(self):
         super().__init__("half", rate_hz=100.0, n_channels=1)
         self.n_let_go = 0
@@ -227,7 +223,6 @@ def test_partly_opened_source_is_released():
 
 
 def test_clock_offset_is_exact_when_readings_are_interrupted():
-    """All readings except one are interrupted on one side."""
     pauses_s = iter([0.05, 0.05, 0.0, 0.05, 0.05])
 
     def theirs_s():

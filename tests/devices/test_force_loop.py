@@ -3,21 +3,20 @@
 These tests must pass on a machine of any speed; `benchmarks/force_loop.py` measures the speed of the decision.
 """
 
-import threading
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from emulated import Emulator, available, wait_for
+from sampled import Passing
 
 from tactometry.devices.sensors.counted_samples import SLEW
-from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force, streamed_position
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.gates import ForceGate
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
-from tactometry.session.request import Press, Slide
+from tactometry.session.request import Press
 from tactometry.stimuli.electrovibration import Sine
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.05, ramp_s=0.01, level_unit="V")
@@ -29,38 +28,29 @@ GAPPED = "0.25:30,0.15:100,0.03:-,0.37:100"
 pytestmark = pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
 
 
-class Busy:
-    """Screen whose every frame takes some Python work."""
-
+class Busy(Passing):
     def __init__(self, screen, work_s):
-        self._screen, self._work_s = screen, work_s
-
-    def __getattr__(self, name):
-        return getattr(self._screen, name)
+        super().__init__(screen)
+        self._work_s = work_s
 
     def refresh(self, page):
         end_s = time.perf_counter() + self._work_s
         while time.perf_counter() < end_s:
             sum(range(50))
-        return self._screen.refresh(page)
+        return self.wrapped.refresh(page)
 
 
-class Noting:
-    """Output that notes the last sample received whenever it plays."""
-
+class Noting(Passing):
     def __init__(self, output):
-        self._output = output
+        super().__init__(output)
         self.last, self.decided_from = None, []
-
-    def __getattr__(self, name):
-        return getattr(self._output, name)
 
     def hear(self, block):
         self.last = int(block.values[-1, 0]) if len(block.values) else self.last
 
     def play(self, signal):
         self.decided_from.append(self.last)
-        return self._output.play(signal)
+        return self.wrapped.play(signal)
 
 
 class Loop:
@@ -72,15 +62,11 @@ class Loop:
         device.reader.subscribe(self.everything.append)
         device.reader.subscribe(self.output.hear)
         sensor = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
-        position = streamed_position(device.reader, (0,), metres_per_count=5e-5)
-        texts = texts_in("en", {})
-        self.bench = Bench(
-            screen, Equipment(self.output, {"tone": TONE}, sensor=sensor, position=position, release=False), texts
-        )
+        equipment = Equipment(self.output, {"tone": TONE}, sensor=sensor, release=False)
+        self.bench = Bench(screen, equipment, texts_in("en", {}))
         wait_for(lambda: device.reader.facts()["n_samples"] > 0)
 
     def press(self, request=PRESS):
-        """Run a touch and return it with its onset."""
         touched = self.bench.answer(request)
         return touched, touched.onset_s + self.bench._supervisor.zero_s
 
@@ -136,43 +122,3 @@ def test_gate_never_opens_early_and_loses_no_samples(loop_of, log, profile, work
         assert touched.digest == TONE.at(5.0).digest()
         assert onset_s >= times_s[last]
     assert log.count("play 5 V") == 3
-
-
-OUTAGE_S = 4.0
-"""So long that a held force is found within a part of it, on a busy machine too."""
-
-
-def test_unplugged_sensor_stops_output_and_delays_next_trial(loop_of, log):
-    loop = loop_of("1:100")
-    unplugged_s = []
-
-    def unplug():
-        wait_for(lambda: "play 5 V" in log)
-        time.sleep(0.1)
-        unplugged_s.append(time.perf_counter())
-        loop.device.unplug()
-
-    thread = threading.Thread(target=unplug)
-    thread.start()
-    touched, _ = loop.press(replace(PRESS, duration_s=30.0))
-    ended_s = time.perf_counter()
-    thread.join()
-    assert not touched.valid
-    assert log[-1] == "output.stop"
-    assert ended_s - unplugged_s[0] < 25.0  # of the 30 s of the stimulus
-    threading.Timer(OUTAGE_S, loop.device.plug).start()
-    touched, onset_s = loop.press(
-        replace(PRESS, timeout_s=0.6 * OUTAGE_S)
-    )  # the timeout does not count while the sensor is away
-    assert touched.valid
-    assert onset_s > unplugged_s[0] + OUTAGE_S
-    assert loop.device.reader.facts()["n_outages"] >= 1
-
-
-def test_slide_reports_the_measured_speed(loop_of):
-    """The counter serves as a position: 50 um per sample at 1 kHz is 50 mm/s."""
-    loop = loop_of("1:100")
-    slide = Slide("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=10.0, speed_m_per_s=0.05)
-    touched = loop.bench.answer(slide)
-    assert touched.valid
-    assert touched.speed_mean_m_per_s == pytest.approx(0.05, rel=0.02)

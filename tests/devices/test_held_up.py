@@ -33,11 +33,10 @@ AT_LEISURE = [
 
 
 def torn_from_s(bursts, latency_s=LATENCY_S):
-    """Return the beginning of each counted gap, in seconds after the onset."""
     dry = DryRuns(latency_s)
     blocks = [(now_s, lead_s + k * BLOCK_S) for now_s, lead_s, n_blocks in bursts for k in range(n_blocks)]
-    told = [dry.after(now_s=now_s, lead_s=lead_s, block_s=BLOCK_S, underflow=False) for now_s, lead_s in blocks]
-    return [began_s for began_s in told if began_s is not None]
+    begun_s = [dry.after(now_s=now_s, lead_s=lead_s, block_s=BLOCK_S, underflow=False) for now_s, lead_s in blocks]
+    return [began_s for began_s in begun_s if began_s is not None]
 
 
 @pytest.mark.parametrize("heard", TORN)

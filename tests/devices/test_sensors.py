@@ -2,8 +2,6 @@
 
 import os
 import re
-import subprocess
-import sys
 import time
 from functools import partial
 from itertools import product
@@ -14,6 +12,7 @@ import pytest
 from emulated import LIBRARIES, Emulator, available, wait_for
 from patience import LONGEST_WAIT_S
 from soak import SOAK
+from window_sitting import python
 
 from tactometry.devices.sensors.counted_samples import STEP_S
 from tactometry.devices.sensors.lsl import LslSettings
@@ -29,7 +28,6 @@ KINDS = ("serial", "udp", "lsl")
 
 
 def collected(sensor, until):
-    """Read times and values of a sensor until `until` is true."""
     times_s, values = [], []
     end_s = time.monotonic() + 120
     while not until(times_s):
@@ -45,42 +43,28 @@ def joined(blocks):
     return SampleBlock(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
 
 
-class Listening:
-    """Emulators of all kinds at once, with 3000 (or 600 000) samples each."""
-
-    def __init__(self, folders):
-        self._emulators = {kind: Emulator(kind, folders(kind)) for kind in KINDS if available(kind)}
-        self._heard = {kind: [] for kind in self._emulators}
-        for kind, each in self._emulators.items():
-            each.reader.subscribe(partial(self._hear, kind))
-        for each in self._emulators.values():
-            each.reader.open()
-
-    def _hear(self, kind, block):
-        """Append the arrival time to each sample."""
-        if block.times_s.size:
-            arrivals_s = np.full(len(block.values), time.perf_counter())
-            self._heard[kind].append(SampleBlock(block.times_s, np.column_stack([block.values, arrivals_s])))
-
-    def heard(self):
-        """Wait for all samples and return (block, facts) by kind."""
-        for blocks in self._heard.values():
-            whole = lambda blocks=blocks: blocks and blocks[-1].values[-1, 0] >= N_LISTENED  # noqa: E731
-            wait_for(whole, LONGEST_WAIT_S + N_LISTENED / 500)
-        return {kind: (joined(list(of)), self._emulators[kind].reader.facts()) for kind, of in self._heard.items()}
-
-    def close(self):
-        for each in self._emulators.values():
-            each.close()
-
-
 @pytest.fixture(scope="module")
 def heard(tmp_path_factory):
-    listening = Listening(tmp_path_factory.mktemp)
+    """Return (block, facts) of emulators of all kinds at once; each sample has its arrival time as its last value."""
+    devices = {kind: Emulator(kind, tmp_path_factory.mktemp(kind)) for kind in KINDS if available(kind)}
+    blocks = {kind: [] for kind in devices}
+
+    def note(kind, block):
+        if block.times_s.size:
+            arrivals_s = np.full(len(block.values), time.perf_counter())
+            blocks[kind].append(SampleBlock(block.times_s, np.column_stack([block.values, arrivals_s])))
+
+    for kind, device in devices.items():
+        device.reader.subscribe(partial(note, kind))
+    for device in devices.values():
+        device.reader.open()
     try:
-        return listening.heard()
+        for each in blocks.values():
+            wait_for(lambda each=each: each and each[-1].values[-1, 0] >= N_LISTENED, LONGEST_WAIT_S + N_LISTENED / 500)
+        return {kind: (joined(list(blocks[kind])), device.reader.facts()) for kind, device in devices.items()}
     finally:
-        listening.close()
+        for device in devices.values():
+            device.close()
 
 
 @pytest.fixture
@@ -136,23 +120,6 @@ def test_force_and_position_share_a_stream(plugged):
     assert device.reader._thread is None
 
 
-def test_noise_on_the_line_loses_no_frame(plugged):
-    device = plugged("serial")
-    device.reader.open()
-    force = device.reader.listen()
-    wait_for(lambda: force.read().times_s.size)
-    rng = np.random.default_rng(0)
-    for _ in range(30):
-        os.write(device.master, rng.bytes(40))
-        time.sleep(0.01)
-    wait_for(lambda: device.reader.facts()["n_bytes_skipped"] > 30 * 30)
-    device.reader.close()
-    counters, facts = force.read().values[:, 0], device.reader.facts()
-    assert len(counters) > 100
-    assert np.all(np.diff(counters) >= 1)
-    assert facts["n_lost"] == np.sum(np.diff(counters) - 1)
-
-
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
@@ -186,8 +153,7 @@ def test_lsl_library_is_silent_unless_configured(tmp_path, settings):
     if settings:
         (tmp_path / "lsl_api.cfg").write_text(settings, encoding="utf-8")
     env = {**os.environ, "HOME": str(tmp_path)}
-    command = [sys.executable, "-c", SEARCH]
-    said = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, check=True)
+    said = python("-c", SEARCH, cwd=tmp_path, env=env, check=True)
     assert said.stdout == "lsl none: found no such stream in 0.1 s, expected a running outlet\n"
     assert ("INFO" in said.stderr) is bool(settings)
     assert settings or said.stderr == ""
@@ -215,12 +181,12 @@ def test_ambiguous_outlet_needs_a_source_id(plugged, monkeypatch):
         one.reader.open()
     with pytest.raises(DeviceFailed, match=f"{both} with 'middle'"):
         LslSettings(one.name, 1000.0, 3, "middle").source().open()
-    told = Reader(LslSettings(one.name, 1000.0, 3, "right").source())
-    force = streamed_force(told, 2, ForceCalibration(newtons_per_count=0.01))
+    reader = Reader(LslSettings(one.name, 1000.0, 3, "right").source())
+    force = streamed_force(reader, 2, ForceCalibration(newtons_per_count=0.01))
     force.open()
     _, forces_n = collected(force, lambda times: len(times) > 100)
     assert np.allclose(forces_n, 7.0)
-    assert told.facts()["source_id"] == "right"
+    assert reader.facts()["source_id"] == "right"
     force.close()
     other.unplug()
     other.plug()
@@ -255,7 +221,6 @@ RATE = "found a clock that runs .* times as fast as this computer's, expected wi
     "chosen", [ONE_EACH, pytest.param(tuple(product(KINDS, CLOCKS)), marks=pytest.mark.slow)], ids=["one each", "all"]
 )
 def test_sensor_with_wrong_clock_rate_fails_with_reason(plugged, tmp_path, chosen):
-    """Each of the sensors is detected within seconds and sends no more."""
     devices = []
     for kind, rate in ((kind, rate) for kind, rate in chosen if available(kind)):
         folder = tmp_path / kind / rate
@@ -281,19 +246,6 @@ def test_outlet_with_shifted_stamps_fails_with_reason(plugged, ahead_s, why):
     device.reader.open()
     wait_for(lambda: device.reader.facts()["n_outages"])
     assert re.search(why, device.reader.facts()["failure"])
-
-
-def test_duplicate_datagrams_are_counted_and_harmless(plugged):
-    """Duplicates once silenced the sensor without being counted."""
-    device = plugged("udp", options=("--twice",))
-    listener = device.reader.listen()
-    device.reader.open()
-    wait_for(lambda: device.reader.facts()["n_samples"] > 500)
-    device.reader.close()
-    counters, facts = listener.read().values[:, 0], device.reader.facts()
-    assert np.all(np.diff(counters) >= 1)
-    assert facts["n_lost"] <= 1 + np.sum(np.diff(counters) - 1)
-    assert facts["n_duplicates"] >= len(counters)
 
 
 def test_stated_delay_shifts_stamps_of_all_listeners(plugged):
@@ -343,7 +295,6 @@ def test_recording_is_replayed_in_real_time(tmp_path):
     [
         ("t,x\n0,1\n", "found the columns t, x, expected time_s and 1 channels"),
         ("time_s,x\n", r"cannot be read as a recording \(found no rows of numbers, expected at least one row\)"),
-        ("time_s,x,y\n0,1,2\n", "found the columns time_s, x, y, expected time_s and 1 channels"),
         ("time_s,x\n0\n", "found 1 columns of numbers for 2 names, expected equal numbers"),
         ("time_s,x\n1,2\n0,3\n", "found times that do not increase"),
         ("time_s,x\n1,a\n", "cannot be read as a recording"),
@@ -365,7 +316,6 @@ def stream(request, heard):
 
 
 def lateness_s(block):
-    """Return the delay from sampling to arrival, by the same clock."""
     return since_taken_s(block, block.values[:, -1])
 
 
@@ -374,7 +324,6 @@ def since_taken_s(block, times_s):
 
 
 def test_streams_lose_no_uncounted_samples(stream):
-    """Dropped datagrams are counted, and only late samples are outages."""
     block, facts = stream
     steps = np.diff(block.values[:, 0])
     assert np.all(steps >= 1)
@@ -386,7 +335,6 @@ def test_streams_lose_no_uncounted_samples(stream):
 
 
 def test_stamps_match_sampling_times(stream):
-    """Stamps are between sampling and arrival, except at steps back."""
     block, _ = stream
     steps_back = np.diff(block.times_s, prepend=-np.inf) < 0
     assert np.all((since_taken_s(block, block.times_s) > -2e-3)[1000:] | steps_back[1000:])

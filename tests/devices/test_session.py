@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from benches import PRESSED_ELECTRODE, gain_toml
 from emulated import Emulator, wait_for
-from force_bench import BENCH, N_TRIALS, study_in
+from force_bench import BENCH, N_TRIALS, begin, study_in
 from tables import trial_rows
-from window_sitting import any_keys, sit, tactometry
+from window_sitting import any_keys, sit
 
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
@@ -27,14 +27,11 @@ HELD_UP = ("sensor_lost", "output_gap")
 
 
 def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_path):
-    """The experimenter uses a terminal for remarks, pause and repeat."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16"))
-    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
     terminal, process_end = os.openpty()
-    env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
-    process = tactometry(*command, env=env, stdin=process_end, stderr=process_end)
+    env = {**alsa, "DISPLAY": os.environ["DISPLAY"], "TERM": "xterm"}
+    process = begin(tmp_path, study, bench, env, stdin=process_end, stderr=process_end)
     os.close(process_end)
     seen, reader = [], threading.Thread(target=lambda: follow(terminal, seen), daemon=True)
     reader.start()
@@ -44,15 +41,8 @@ def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_pat
     finally:
         device.close()
     errors = b"".join(seen).decode()
-    told = (
-        "p pause   g go on",
-        "trial 1: ",
-        "noted",
-        "this trial will be repeated",
-        "the session continues",
-        "not valid",
-    )
-    assert all(words in errors for words in told), errors
+    orders = ("noted", "this trial will be repeated", "the session continues")
+    assert all(words in errors for words in ("p pause   g go on", "trial 1: ", "trial 1 of 3 ", *orders, "not valid"))
     assert status == 0, errors
     rows = trial_rows(tmp_path / "data")
     counted = [row for row in rows if row["invalid_reason"] not in HELD_UP]
@@ -74,7 +64,6 @@ def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_pat
 
 
 def follow(terminal, seen):
-    """Read the terminal and type commands in the first trial."""
     orders = [("trial 1: ", "n the finger is dry\nr\np\n"), ("paused", "g\n")]
     while True:
         try:
@@ -86,14 +75,10 @@ def follow(terminal, seen):
 
 
 def test_session_pauses_when_network_sensor_dies(display, tmp_path, in_background):
-    """The trial in which it died is invalid and repeated."""
-    study, device = study_in(tmp_path, n_trials=1), Emulator("udp", tmp_path, profile="1:100")
-    study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
+    study, device = study_in(tmp_path, 1, "1 s"), Emulator("udp", tmp_path, profile="1:100")
     played, data = tmp_path / "played", tmp_path / "data"
     bench = PRESSED_ELECTRODE.format(folder=played, port=device.udp_port)
-    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", data]
-    process = tactometry(*command, env=os.environ)
+    process = begin(tmp_path, study, bench, os.environ)
 
     def go_on_when(what):
         wait_for(lambda: what() or process.poll() is not None)
@@ -112,13 +97,16 @@ def test_session_pauses_when_network_sensor_dies(display, tmp_path, in_backgroun
     assert (status, errors.count("\n")) == (0, 1)
     assert errors.startswith("bench file, force.release = false: a force sensor that is stuck")
     rows = trial_rows(data)
-    assert [(row["valid"], row["attempt"]) for row in rows] == [("0", "1"), ("1", "2")]
-    assert rows[0]["force_mean_n"] in ("1", "")  # it may die before its first sample in the stimulus
-    assert rows[1]["force_mean_n"] == "1"
+    *lost, counted = rows
+    assert [row["attempt"] for row in rows] == [str(n + 1) for n in range(len(rows))]
+    assert {(row["valid"], row["invalid_reason"]) for row in lost} == {("0", "sensor_lost")}
+    assert {row["force_mean_n"] for row in lost} <= {"1", ""}  # it may die before its first sample in the stimulus
+    assert (counted["valid"], counted["force_mean_n"]) == ("1", "1")
     events = [(event["trial_type"], event["text"]) for event in events_of(data) if event["text"] != "n/a"]
     pause = [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
-    assert events in (pause, 2 * pause)  # a quick participant may begin before the first half second of the sensor
-    assert len(list(played.glob("*.npz"))) == 2
+    # a busy machine may lose the sensor again, or begin before its first half second
+    assert events == max(1, len(events) // 2) * pause
+    assert len(list(played.glob("*.npz"))) == sum(row["level_delivered"] != "" for row in rows) >= 2
     assert validate(data).defects == ()
 
 
@@ -129,7 +117,6 @@ def events_of(data):
 
 
 def check_events(data, rows):
-    """Check actions, timing and clocks of a valid data set."""
     events = events_of(data)
     kinds = [event["trial_type"] for event in events if event["text"] != "the force sensor is silent"]
     assert [kinds.count(kind) for kind in ("remark", "repeat", "pause", "resume")] == [1, 1, 1, 1]
@@ -158,19 +145,16 @@ def played_signals(folder):
     return [len(pieces), all(np.array_equal(raw[piece[0] : piece[-1] + 1], wanted) for piece in pieces)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "number",
     [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
 )
-def test_killed_session_falls_silent(needed, display, sink, tmp_path, number):
-    """The signal arrives during a stimulus of 20 s."""
-    study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
-    study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")
+def test_killed_session_falls_silent(needed, display, sink, tmp_path, in_background, number):
+    study, device = study_in(tmp_path, duration="20 s"), Emulator("lsl", tmp_path, profile="1:100")
     gain = gain_toml("audio pulse, int16", system_volume=1.0)
     bench = BENCH.format(stream=device.name, gain=gain).replace('"tofile"', '"pulse"\nshared = true')
-    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
-    process = tactometry(*command, env={**sink.env, "DISPLAY": os.environ["DISPLAY"]})
+    process = begin(tmp_path, study, bench, {**sink.env, "DISPLAY": os.environ["DISPLAY"]})
     ended = threading.Event()
 
     def end_when_it_plays():
@@ -178,12 +162,10 @@ def test_killed_session_falls_silent(needed, display, sink, tmp_path, number):
         process.send_signal(number)
         ended.set()
 
-    watcher = threading.Thread(target=end_when_it_plays)
-    watcher.start()
+    in_background(end_when_it_plays)
     try:
         status, _, errors = sit(process, display, (key for key in ["space"] * 600 if not ended.is_set()))
     finally:
-        watcher.join()
         device.close()
     frames = sink.end()
     assert status == (-number if number == signal.SIGKILL else 128 + number), errors

@@ -196,9 +196,9 @@ def test_real_loopback_is_learned_as_a_wire(sink, tmp_path, artefacts):
         "--hands-off: found no confirmation, expected one before a sweep" in refused.stderr,
     ) == (2, True)
     arguments += ["--hands-off", "--write"]
-    for _ in range(5):  # a busy computer plays with gaps, and nothing is learned
+    for _ in range(5):  # a busy computer plays with gaps, or its sound server drops samples
         result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
-        if "in playback, expected none" not in result.stderr:
+        if result.returncode == 0 and read_provenance(tmp_path / "learnt.npz")["repeatability"] > 1 - 1e-4:
             break
     assert result.returncode == 0, result.stderr
     assert "learnt.npz: 1 responses of 0.01 s at 48000 Hz" in result.stdout

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 from command_line import output
+from followed_rule import with_row
 from places import RECORDED
-from progressed import with_row
 from set_clock import Clock
 from tutorial_session import live
 

@@ -5,8 +5,8 @@ from functools import reduce
 
 import numpy as np
 import pytest
+from followed_rule import with_row
 from hypothesis import given, strategies as st
-from progressed import with_row
 
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, band_of

@@ -7,8 +7,8 @@ from typing import get_args
 import catalogue
 import numpy as np
 import pytest
-from batches import LEVELS, OUTPUT, own_run
 from examples import examples
+from followed_rule import LEVELS, OUTPUT, own_run
 from hypothesis import given, strategies as st
 from scipy.stats import binomtest
 

@@ -18,7 +18,6 @@ STUDY = RECORDED / "inquiries" / "study.toml"
 
 
 def study_in(folder, **changes):
-    """Write a study of two blocks with three questionnaires."""
     text = STUDY.read_text(encoding="utf-8")
     path = folder / "study.toml"
     path.write_text(changed(text, {"n_attempts = 2": "n_attempts = 1", **changes}), encoding="utf-8")
@@ -35,12 +34,6 @@ def recording_of(root):
 
 
 STEADY, SHAKY = {"waver_cv = 0.12": "waver_cv = 0.0"}, {"waver_cv = 0.12": "waver_cv = 0.3"}
-
-
-def test_completed_session_exits_with_status_0(tmp_path, capsys):
-    status, _, out = run(capsys, tmp_path, **STEADY)
-    assert status == 0
-    assert ": 10 trials, and 14 answers to questionnaires; 2 procedures: 2 reached their last trial" in out
 
 
 def test_aborted_block_is_reported_in_summary_and_events(tmp_path, capsys):
@@ -60,17 +53,34 @@ def test_aborted_block_is_reported_in_summary_and_events(tmp_path, capsys):
     assert validate(tmp_path / "d").defects == ()
 
 
-def test_advice_differs_when_every_block_aborts(tmp_path, capsys):
-    status, _, out = run(capsys, tmp_path, **SHAKY)
-    assert status == 1
-    assert "2 procedures: 2 aborted; next: correct the cause of the invalid touches: no block was finished" in out
+def planned(longest_s):
+    return {**STEADY, "[procedure]": f"[plan]\nlongest_s = {longest_s}\n\n[procedure]"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "status", "words"),
+    [
+        (STEADY, 0, ": 10 trials, and 14 answers to questionnaires; 2 procedures: 2 reached their last trial"),
+        (SHAKY, 1, "2 procedures: 2 aborted; next: correct the cause of the invalid touches: no block was finished"),
+        (planned(10), 1, "not begun"),
+        (planned(0.5), 1, "not begun"),
+    ],
+    ids=["completed", "every block aborts", "too long a plan", "too short a plan"],
+)
+def test_session_end_is_summarised(tmp_path, capsys, changes, status, words):
+    ended, _, out = run(capsys, tmp_path, **changes)
+    assert ended == status
+    assert words in out
+
+
+def test_json_summary_counts_aborted_procedures(tmp_path, capsys):
+    run(capsys, tmp_path, **SHAKY)
     said = json.loads(run(capsys, tmp_path, "--session", "1", "--resume", "--json", **SHAKY)[2])
     assert (said["ended"], said["not_valid"]) == ({"aborted": 2}, 2)
 
 
 @pytest.mark.parametrize(("waver", "asked"), [(0.9, {"sus"}), (0.0, {"sus", "pleasantness-vas"})])
 def test_block_without_valid_touch_has_no_questionnaire(tmp_path, capsys, waver, asked):
-    """The questionnaire at the end of the session is still asked."""
     run(capsys, tmp_path, **{"waver_cv = 0.12": f"waver_cv = {waver}"})
     rows = trial_rows(tmp_path / "d")
     assert {row["valid"] for row in rows if row["task"] == "yes_no"} == {str(int(waver == 0.0))}
@@ -108,15 +118,6 @@ def test_simulate_reports_aborted_procedures(tmp_path, capsys):
     assert n_aborted > 0
     assert "2 simulated participants, " in out
     assert f"{n_aborted} procedure{'s' * (n_aborted > 1)} aborted" in out
-
-
-@pytest.mark.parametrize("longest_s", [10, 0.5])
-def test_blocks_not_begun_are_reported(tmp_path, capsys, longest_s):
-    status, _, out = run(
-        capsys, tmp_path, **STEADY, **{"[procedure]": f"[plan]\nlongest_s = {longest_s}\n\n[procedure]"}
-    )
-    assert status == 1
-    assert "not begun" in out
 
 
 def test_block_aborts_when_it_lasts_too_long(tmp_path, capsys):

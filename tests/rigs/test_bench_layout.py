@@ -6,9 +6,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.rigs.keyboard import FreshPresses
-from tactometry.rigs.pages import form, layout
-from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
-from tactometry.rigs.texts import texts_in
+from tactometry.rigs.pages import entry, form, layout
+from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page, Text
 from tactometry.session.request import value_at
 
 ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]
@@ -20,6 +19,7 @@ def pages(aspect):
         layout.question_page("felt?", (0, 1), ("no", "yes"), "hint", aspect),
         layout.question_page("which?", (1, 2, 3, 4), ("1", "2", "3", "4"), "hint", aspect),
         layout.adjust_page("set", "hint", aspect),
+        entry.entry_page("how strong?", "12", "hint", aspect, ready=True),
         layout.bar_page("Heading\n\nbody", "hint", aspect, 0.5),
         layout.track_page(layout.force_page(layout.marker_page(1, playing=True), 9.0, 1.0, 0.9), 1.0, 1 / 3),
         layout.track_page(layout.force_page(layout.marker_page(1, playing=True), 9.0, 1.0, 0.9), 1.0, 0.7, 2.0),
@@ -27,7 +27,6 @@ def pages(aspect):
 
 
 def extent(item):
-    """Return half the width and half the height of a shape."""
     return (item.radius, item.radius) if isinstance(item, Disc) else (item.width / 2, item.height / 2)
 
 
@@ -66,22 +65,21 @@ def test_displayed_letter_selects_its_answer_on_every_keyboard(keyboard):
         page = layout.question_page("?", (0, 1), (first * 2, second * 2), "hint", 1.6)
         for button in page.buttons:
             shown = button.keys[0]
+            assert Text in {type(item) for item in page.items if getattr(item, "words", "") == shown.upper()}
             assert page.answer(KeyDown(US_KEY_OF[keyboard].get(shown, shown), 0.0)) == button.answer
-
-
-def test_yes_and_no_use_first_letters():
-    for language, shown in (("en", "ny"), ("fr", "no"), ("de", "nj")):
-        labels = [texts_in(language, {}).label(word) for word in ("no", "yes")]
-        assert [keys[0] for keys in layout.option_keys((0, 1), labels)] == list(shown)
 
 
 @pytest.mark.parametrize("aspect", ASPECTS)
 def test_buttons_respond_to_keys_and_clicks(aspect):
     for page in pages(aspect):
+        clicked = [button for button in page.buttons if button.width]
         for button in page.buttons:
             assert all(page.answer(KeyDown(key, 0.0)) == button.answer for key in button.keys)
-            if button.width:
-                assert page.answer(Click(button.x, button.y, 0.0)) == button.answer
+        for button in clicked:
+            assert page.answer(Click(button.x, button.y, 0.0)) == button.answer
+        answers = {button.answer for button in page.buttons}
+        assert answers == {button.answer for button in clicked}
+        assert answers == {button.answer for button in page.buttons if button.keys}
 
 
 def test_each_key_has_one_meaning():
@@ -93,12 +91,15 @@ def test_each_key_has_one_meaning():
 @pytest.mark.parametrize("event", [KeyDown("q", 0.0), Click(0.0, 0.45, 0.0)])
 def test_question_ignores_other_events(event):
     assert layout.question_page("felt?", (0, 1), ("no", "yes"), "", 1.6).answer(event) is None
+    assert Page().answer(event) is None
 
 
 @pytest.mark.parametrize(
     ("options", "labels", "shown"),
     [
+        ((0, 1), ("no", "yes"), ["n", "y"]),
         ((0, 1), ("non", "oui"), ["n", "o"]),
+        ((0, 1), ("nein", "ja"), ["n", "j"]),
         ((0, 1), ("no", "néant"), ["0", "1"]),
         ((1, 2), ("émoussé", "aigu"), ["e", "a"]),
         ((1, 2), ("1", "2"), ["1", "2"]),
@@ -133,10 +134,6 @@ def test_fresh_presses_pass_each_press_once(presses, data):
         seen += fresh.of(data.draw(st.lists(st.sampled_from(presses))) if presses else [])
     seen += fresh.of(presses)
     assert sorted(seen) == sorted(presses)
-
-
-def test_empty_page_returns_no_answer():
-    assert Page().answer(KeyDown("y", 0.0)) is None
 
 
 @pytest.mark.parametrize("length", [0.2, 1 / 3, 0.5, 0.51, 0.9])

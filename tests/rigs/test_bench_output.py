@@ -1,5 +1,8 @@
-"""Ramps and checks of a signal before an output plays it."""
+"""Ramps, checks and look-up of a signal before an output plays it."""
 
+import io
+
+import catalogue
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -10,8 +13,16 @@ from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import NullOutput, with_ramps
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.console import Console
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.emitter import Emitter
+from tactometry.rigs.pages.page import Display
+from tactometry.rigs.simulated import SimulatedRig
+from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
+from tactometry.session.request import Play
 from tactometry.signal import Signal
 
 RATE_HZ = 1000.0
@@ -42,23 +53,6 @@ def test_ramps_leave_the_middle_unchanged():
     assert np.array_equal(ramped, ramped[::-1])
 
 
-@given(samples, st.floats(0.1, 100))
-def test_guard_refuses_signals_above_limit(values, voltage_peak_v):
-    signal = Signal(values, RATE_HZ, "V")
-    output = Guarded(NullOutput(), Limits(voltage_peak_v))
-    if signal.peak > voltage_peak_v * (1 + 1e-9):
-        with pytest.raises(LimitExceeded):
-            output.check(signal)
-    elif signal.peak <= voltage_peak_v:
-        output.check(signal)
-
-
-@pytest.mark.parametrize("values", [[[0, 1, 1, 1]], [[1, 1, 1, 0]], [[0, 1, 1, 0], [1, 1, 1, 1]], [[0, 1, 1, -0.02]]])
-def test_ramps_apply_when_any_channel_end_is_nonzero(values):
-    ramped = with_ramps(Signal(np.array(values, float), RATE_HZ, "V"), 0.002)
-    assert not ramped.samples[:, [0, -1]].any()
-
-
 @pytest.mark.parametrize("ramp_s", [-1.0, float("nan"), float("inf")])
 def test_ramps_require_finite_duration(ramp_s):
     with pytest.raises(InvalidParameter, match=r"with_ramps\.ramp_s: found .*expected"):
@@ -84,16 +78,6 @@ def test_guard_refuses_signals_the_output_cannot_play(driver, limits, error, mes
         Guarded(driver, limits).check(ONE_VOLT)
 
 
-def test_null_output_accepts_any_channels_and_rate():
-    output = Guarded(NullOutput(), Limits(2.0))
-    output.check(ONE_VOLT)
-    output.open()
-    assert output.play(ONE_VOLT) > 0
-    output.stop()
-    output.close()
-    output.close()
-
-
 class Steps:
     """A stimulus that neither begins nor ends at zero."""
 
@@ -111,3 +95,34 @@ def test_emitter_applies_ramps(tmp_path):
     emitted = read_signal(tmp_path / "0001.npz").samples
     assert np.array_equal(emitted, with_ramps(Steps().at(1.0), 0.01).samples)
     assert not emitted[:, [0, -1]].any()
+
+
+BANK = {"tone": catalogue.AnyStimulus()["any"]}
+TIGHT = Limits(1e-6)
+
+
+def bench(limits):
+    output = Guarded(NullOutput(), Limits(1000.0))
+    return Bench(Display(), Equipment(output, BANK, limits), texts_in("en", {}))
+
+
+def console(limits):
+    return Console(catalogue.silent(BANK, limits), texts_in("en", {}), io.StringIO(), io.StringIO())
+
+
+def simulated(limits):
+    return SimulatedRig(
+        BANK, limits, sensation=None, observer=None, finger=SimulatedFinger(), rng_of=lambda n: None, decisions={}
+    )
+
+
+@pytest.mark.parametrize("rig_with", [bench, console, simulated])
+def test_every_rig_suggests_nearest_stimulus_name(rig_with):
+    with pytest.raises(InvalidParameter, match="stimulus: found 'tome', expected one of tone; did you mean 'tone'?"):
+        rig_with(Limits(1000.0)).answer(Play("tome", 20.0, 1.0))
+
+
+@pytest.mark.parametrize("rig_with", [bench, console, simulated])
+def test_every_rig_enforces_study_limits(rig_with):
+    with pytest.raises(LimitExceeded, match=r"limits\.voltage_peak_v: .*nothing was played"):
+        rig_with(TIGHT).answer(Play("tone", 20.0, 1.0))

@@ -1,14 +1,11 @@
 """Sessions of the thesis studies on an emulated one-bit board of 100 V."""
 
-import io
 import os
-import re
 import threading
 from contextlib import suppress
 
-import numpy as np
 import pytest
-from command_line import call
+from command_line import at_the_console, call
 from one_bit_board import COMMANDED, LOWEST_V, SUPPLY_V, board_in, check_decoded
 from soak import SOAK
 from study_texts import changed
@@ -38,11 +35,9 @@ SHORT = {
 SOON = ('"500 ms"', '"100 ms"')
 WHOLE = {"time-reversal-threshold": 450, "time-reversal-patterns": 7, "hybrid-button": 12}
 """Trials of a session of the built-in study."""
-LOOPED = tuple(WHOLE) if SOAK else ("time-reversal-threshold",)
-"""Studies that run through a terminal device, which is slow: it accepts 4 kB at a time."""
-FIXED = [*((name, way, "") for name in WHOLE for way in ("file", "pipe")), *((name, "loopback", "") for name in LOOPED)]
 WAYS = {"time-reversal-threshold": "loopback", "time-reversal-patterns": "file", "hybrid-button": "pipe"}
-SESSIONS = FIXED + [(name, way, COMMANDED) for name, way, _ in FIXED if SOAK or WAYS[name] == way]
+"""A terminal device accepts 4 kB at a time."""
+SESSIONS = [(name, way, supply) for name, way in WAYS.items() for supply in ("", COMMANDED)]
 """Sessions with a fixed and with a commanded supply."""
 PATIENCE_S = 1000.0 if SOAK else 20.0
 
@@ -58,9 +53,8 @@ def on_the_console(capsys, monkeypatch, folder, study, *more):
 
     The typed answers alternate between 1 and 5, as some questions do not accept 1.
     """
-    monkeypatch.setattr("sys.stdin", io.StringIO("1\n5\n" * 5000))
-    words = ("run", study, "--participant", "P01", "--rig", "console", "--bench", folder / "bench.toml")
-    return call(capsys, *words, "--out", folder / "d", *more)
+    bench = ("--bench", folder / "bench.toml")
+    return at_the_console(capsys, monkeypatch, study, folder / "d", "1\n5\n" * 5000, *bench, *more)
 
 
 def streams(content):
@@ -119,7 +113,6 @@ def emitted(request, tmp_path, in_background):
     ids=lambda value: "commanded" if value == COMMANDED else None,
 )
 def test_board_receives_requested_signals_in_full_session(name, emitted, more, tmp_path, capsys, monkeypatch):
-    """With SOAK, the complete built-in studies run."""
     path, content = emitted
     bench, study = board_in(tmp_path, path, more=more), name if SOAK else short(name, tmp_path)
     status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study)
@@ -166,85 +159,29 @@ def checked(capsys, monkeypatch, folder, study):
 TRIED = pytest.mark.parametrize("tried", [checked, on_the_console], ids=["check", "run"])
 
 
-@TRIED
-@pytest.mark.parametrize("more", ["", "lowest_supply_v = 20.0"], ids=["fixed", "commanded"])
-def test_level_above_board_range_is_refused_before_playback(tried, more, tmp_path, capsys, monkeypatch):
-    (tmp_path / "board").touch()
-    board_in(tmp_path, tmp_path / "board", supply_v=50.0, more=more)
-    status, said, _ = tried(capsys, monkeypatch, tmp_path, short("time-reversal-threshold", tmp_path))
-    assert status == 3, said
-    assert "Traceback" not in said
-    assert "level: found 30.0 dB re 1 um, a focus of 31.62 um" in said
-    assert "lower it, lengthen reversal_s, or raise the supply" in said
-    assert not list(streams((tmp_path / "board").read_bytes()))
-
-
-@TRIED
-def test_level_below_fixed_supply_is_refused_with_fix(tried, tmp_path, capsys, monkeypatch):
-    (tmp_path / "board").touch()
-    board_in(tmp_path, tmp_path / "board")
-    status, said, _ = tried(capsys, monkeypatch, tmp_path, "electrovibration-threshold")
-    assert status != 0
-    assert (
-        "level: found 0.3162 V, expected at least 17.89 V, which pulses of 1 sample at the 100 V of the supply" in said
-    )
-    assert "raise the level or the rate of the board, lower its supply, or let the session set the supply (" in said
-    assert "nothing was played" in said
-    assert not list(streams((tmp_path / "board").read_bytes()))
-
-
-class Supplying:
-    """A board on a pipe that cannot lower its supply below a given voltage.
-
-    When a stream requests less, the board closes the pipe or stops reading from it.
-    """
-
-    def __init__(self, pipe, lowest_v, *, closes):
-        self.pipe, self.lowest_v, self.closes = pipe, lowest_v, closes
-        self.n_played, self.ended = 0, threading.Event()
-
-    def run(self):
-        with self.pipe.open("rb") as line:
-            while header := line.read(HEADER_BYTES):
-                [supply_v], n_samples = np.frombuffer(header[24:32]), int.from_bytes(header[32:40], "little")
-                if n_samples and supply_v < self.lowest_v:
-                    break
-                line.read(n_samples * int.from_bytes(header[8:10], "little") * word_bytes(33))
-                self.n_played += n_samples > 0
-            if header and not self.closes:
-                self.ended.wait(PATIENCE_S)
-
-
-@pytest.mark.parametrize(
-    ("closes", "words"),
-    [
-        (
-            True,
-            r"board: the board (accepts no more data \(Broken pipe\); the output|had not read a whole stream)",
-        ),
-        (False, "so that it was not played"),
-    ],
-    ids=["a supply that is refused", "a supply that does not come"],
+ABOVE = ("level: found 30.0 dB re 1 um, a focus of 31.62 um", "lower it, lengthen reversal_s, or raise the supply")
+BELOW = (
+    "level: found 0.3162 V, expected at least 17.89 V, which pulses of 1 sample at the 100 V of the supply",
+    "raise the level or the rate of the board, lower its supply, or let the session set the supply (",
+    "nothing was played",
 )
-def test_session_ends_without_data_loss_when_supply_fails(closes, words, tmp_path, capsys, monkeypatch, in_background):
-    """Regression: trials were valid although the board had no supply."""
-    pipe, study = tmp_path / "board", short("time-reversal-threshold", tmp_path)
-    os.mkfifo(pipe)
-    board_in(tmp_path, pipe, more=COMMANDED)
-    failing = Supplying(pipe, 60.0, closes=closes)
-    in_background(failing.run)
-    status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study)
-    failing.ended.set()
-    assert status == 3, said
-    assert re.search(words, said), said
+
+
+@TRIED
+@pytest.mark.parametrize(
+    ("study", "supply_v", "more", "words", "ran"),
+    [
+        ("time-reversal-threshold", 50.0, "", ABOVE, 3),
+        ("time-reversal-threshold", 50.0, COMMANDED, ABOVE, 3),
+        ("electrovibration-threshold", 100.0, "", BELOW, 2),
+    ],
+    ids=["above fixed", "above commanded", "below fixed"],
+)
+def test_level_outside_board_range_is_refused(tried, study, supply_v, more, words, ran, tmp_path, capsys, monkeypatch):
+    (tmp_path / "board").touch()
+    board_in(tmp_path, tmp_path / "board", supply_v=supply_v, more=more)
+    status, said, _ = tried(capsys, monkeypatch, tmp_path, short(study, tmp_path) if study in SHORT else study)
+    assert status == (ran if tried is on_the_console else 3), said
     assert "Traceback" not in said
-    kept = trial_rows(tmp_path / "d")
-    assert {row["level"] for row in kept if row["valid"] == "1"} <= {"26", "30"}  # of 63 and 100 V
-    sound = Supplying(pipe, LOWEST_V * (1 - 1e-9), closes=True)
-    in_background(sound.run)
-    status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study, "--resume")
-    assert status == 0, said
-    rows = trial_rows(tmp_path / "d")
-    assert len(kept) < len(rows)
-    assert rows[: len(kept)] == kept
-    assert call(capsys, "validate", tmp_path / "d")[0] == 0
+    assert all(each in said for each in words), said
+    assert not list(streams((tmp_path / "board").read_bytes()))

@@ -5,7 +5,7 @@ from datetime import date
 import numpy as np
 import pytest
 from one_bit_board import COMMANDED, RATE_HZ, SUPPLY_V, board_in, check_decoded
-from study_texts import changed
+from study_texts import changed, wired
 
 from tactometry.devices.outputs.bit_stream import decode, encode
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
@@ -29,12 +29,10 @@ def test_strongest_built_in_stimuli_pass_board_guard(name, tmp_path):
 
 def test_electrovibration_runs_with_commanded_supply(tmp_path):
     """The encoded signal is decoded at levels from -10 to 46 dB re 1 V."""
-    text = builtin()["electrovibration-threshold"].read_text("utf-8")
     changes = {"[30, 60, 120, 180, 240, 320, 480]": "[30, 480]", 'duration_s = "1 s"': 'duration_s = "150 ms"'}
-    (tmp_path / "study.toml").write_text(changed(text, changes), encoding="utf-8")
-    study, _ = load(str(tmp_path / "study.toml"))
-    experiment, bench = wire(study, "s"), board_in(tmp_path, "board", 200.0, "lowest_supply_v = 1.5")
-    output = bench.devices(study.limits, date.today(), touched=False).output
+    experiment = wired(changed(builtin()["electrovibration-threshold"].read_text("utf-8"), changes))
+    bench = board_in(tmp_path, "board", 200.0, "lowest_supply_v = 1.5")
+    output = bench.devices(experiment.study.limits, date.today(), touched=False).output
     for name, made in bank_on(experiment, bench).items():
         for level in (-10.0, 4.5, 46.0):
             _, final = output.check(made.at(level))
@@ -70,23 +68,12 @@ def test_lowest_supply_above_supply_is_refused(tmp_path):
         )
 
 
-PRACTICE = "[practice]\nlevels = [20.0]\n[procedure]"
-
-
 def test_practice_levels_are_checked_against_the_board(tmp_path):
-    text = builtin()["electrovibration-threshold"].read_text("utf-8")
     changes = {"low = -10.0": "low = 30.0", "high = 46.0": "high = 42.0", "start = 46.0": "start = 40.0"}
-    changes["[procedure]"] = PRACTICE
-    (tmp_path / "study.toml").write_text(changed(text, changes), encoding="utf-8")
-    study, _ = load(str(tmp_path / "study.toml"))
+    changes["[procedure]"] = "[practice]\nlevels = [20.0]\n[procedure]"
+    experiment = wired(changed(builtin()["electrovibration-threshold"].read_text("utf-8"), changes))
     with pytest.raises(InvalidParameter, match="level: found 9.999 V, expected at least 17.89 V"):
-        bank_on(wire(study, "s"), board_in(tmp_path, "board"))
-
-
-def test_level_below_board_range_is_refused_before_playback(tmp_path):
-    study, _ = load("electrovibration-threshold")
-    with pytest.raises(InvalidParameter, match="^output, amplitude_modulated.*: level: found .*; nothing was played$"):
-        bank_on(wire(study, "s"), board_in(tmp_path, "board"))
+        bank_on(experiment, board_in(tmp_path, "board"))
 
 
 def test_stimuli_are_unchanged_without_a_board(tmp_path):

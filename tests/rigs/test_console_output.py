@@ -14,9 +14,9 @@ from dataclasses import replace
 import catalogue
 import pytest
 from benches import file_bench
-from command_line import call
+from command_line import at_the_console, call
 from sampled import Sampled, force_sensor
-from study_texts import changed, tutorial_in
+from study_texts import tutorial_in
 from tables import event_rows, trial_rows
 
 from tactometry.devices.outputs.file import FileOutput, FileSettings
@@ -24,7 +24,6 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.errors import DeviceFailed
-from tactometry.experiments.study.study_file import builtin
 from tactometry.rigs.console import Console
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
@@ -38,29 +37,9 @@ LIMITS = Limits(100.0)
 SHORT = {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "catch_rate = 0.0"}
 
 
-def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, changes=SHORT):
-    """Run a session whose stimuli are written into `played`."""
-    monkeypatch.setattr("sys.stdin", io.StringIO(answers))
-    file_bench(folder, duty)
-    words = ("run", tutorial_in(folder, changes), "--participant", "P01", "--rig", "console", "--out", folder / "d")
-    return call(capsys, *words, *more)
-
-
-def test_console_lists_focus_positions_by_name(tmp_path, capsys, monkeypatch):
-    study = builtin()["time-reversal-localisation"].read_text("utf-8")
-    short = {"repeats = 30": "repeats = 1", 'hold_s = "500 ms"': 'hold_s = "10 ms"', "n_trials = 20": "n_trials = 10"}
-    (tmp_path / "s.toml").write_text(changed(study, short), encoding="utf-8")
-    monkeypatch.setattr("sys.stdin", io.StringIO("2\nindex + middle\n" * 40))
-    words = ("run", tmp_path / "s.toml", "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
-    status, _, out = call(capsys, *words)
-    assert status == 0
-    assert "1 = index, 2 = middle, 3 = index + middle" in out
-    rows = [row for row in trial_rows(tmp_path / "d") if row["practice"] == "0"]
-    assert len(rows) == 7
-    for row in rows:
-        assert row["response"] in ("2", "3")
-        assert float(row["separation_m"]) == float(row["distance_m"])
-        assert float(row["error_m"]) == (0.0 if row["response"] == row["target"] else float(row["distance_m"]))
+def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, changes=SHORT):
+    file_bench(folder, duty=1.0)
+    return at_the_console(capsys, monkeypatch, tutorial_in(folder, changes), folder / "d", answers, *more)
 
 
 def kinds(root):
@@ -90,16 +69,6 @@ def test_console_plays_every_stimulus_through_guard(tmp_path, capsys, monkeypatc
     assert "nothing was played" not in call(capsys, "analyse", tmp_path / "d", "--json")[2]
     onsets_s = [float(row["onset_s"]) for row in trial_rows(tmp_path / "d")]
     assert min(b - a for a, b in itertools.pairwise(onsets_s)) >= 0.12
-
-
-def test_guard_enforces_duty_limit_after_resume(tmp_path, capsys, monkeypatch):
-    for sitting in range(3):
-        more = ("--resume",) if sitting else ()
-        words = ("--bench", tmp_path / "bench.toml", *more)
-        status, said, _ = run(capsys, monkeypatch, tmp_path, *words, duty=0.0055)
-        assert status == 3
-        assert "limits.duty: found signals during 0.00666667 of the time" in said
-        assert len(list((tmp_path / "played").glob("*.npz"))) == 3
 
 
 def test_adjustment_with_output_is_refused_before_writing(tmp_path, capsys, monkeypatch):
@@ -142,34 +111,19 @@ def test_console_plays_nothing_when_force_is_unheld(tmp_path):
     assert played(tmp_path) == 0
 
 
-@pytest.mark.parametrize(
-    ("language", "told"),
-    [
-        (
-            "en",
-            (
-                "press with 1 N for 0.3 s (lift the finger first)",
-                "Lift your",
-                "the session continues\nplayed, 1.00 N\n",
-            ),
-        ),
-        ("de", ("mit 1 N drücken (zuerst den Finger heben)", "Heben Sie den", "es geht weiter\nausgegeben, 1.00 N\n")),
-    ],
-)
-def test_silent_sensor_pauses_session_in_its_language(tmp_path, language, told):
+def test_silent_sensor_pauses_session_in_its_language(tmp_path):
     def force_n(time_s):
         if time_s < 0.1:
             return 0.3
         return None if time_s < 0.7 else 1.0
 
     said = io.StringIO()
-    rig = console(tmp_path, force_n, said=said, language=language)
+    rig = console(tmp_path, force_n, said=said, language="de")
     assert rig.answer(PRESS).valid
     rig.close()
-    asked, paused, goes_on = told
-    assert asked in said.getvalue()
-    assert paused in said.getvalue()
-    assert said.getvalue().endswith(f": the force sensor is silent\n{goes_on}")
+    assert "mit 1 N drücken (zuerst den Finger heben)" in said.getvalue()
+    assert "Heben Sie den" in said.getvalue()
+    assert said.getvalue().endswith(": the force sensor is silent\nes geht weiter\nausgegeben, 1.00 N\n")
 
 
 def test_play_request_lasts_its_duration(tmp_path):

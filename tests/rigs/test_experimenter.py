@@ -5,6 +5,7 @@ import time
 from dataclasses import replace
 
 import pytest
+from emulated import wait_for
 from experimenter_seat import FELT, PRESS, ROW, waits_until
 from patience import LONGEST_WAIT_S
 
@@ -46,11 +47,9 @@ def test_pause_holds_session_and_repeats_question(bench_with, terminal, kept, wa
 
 def test_pause_during_stimulus_makes_touch_invalid(bench_with, terminal, kept, log, in_background):
     def act():
-        while "play 5 V" not in log:
-            time.sleep(0.005)
+        wait_for(lambda: "play 5 V" in log)
         terminal.types("p")
-        while ("pause", "the experimenter") not in kept.told:
-            time.sleep(0.005)
+        wait_for(lambda: ("pause", "the experimenter") in kept.told)
         n_played.append(log.count("play 5 V"))
         time.sleep(0.4)
         n_played.append(log.count("play 5 V"))
@@ -66,8 +65,7 @@ def test_pause_during_stimulus_makes_touch_invalid(bench_with, terminal, kept, l
 
 def test_no_stimulus_plays_during_pause(bench_with, terminal, kept, log, in_background):
     def act():
-        while ("pause", "the experimenter") not in kept.told:
-            time.sleep(0.005)
+        wait_for(lambda: ("pause", "the experimenter") in kept.told)
         time.sleep(2.5)
         n_played.append(log.count("play 5 V"))
         terminal.types("g")
@@ -82,8 +80,7 @@ def test_no_stimulus_plays_during_pause(bench_with, terminal, kept, log, in_back
 
 def test_ungated_stimulus_replays_after_pause(bench_with, terminal, kept, log, in_background):
     def act():
-        while "play 5 V" not in log:
-            time.sleep(0.005)
+        wait_for(lambda: "play 5 V" in log)
         terminal.types("p\ng")
 
     bench = bench_with()
@@ -223,19 +220,13 @@ def test_order_must_match_exactly(line):
         order_of(line)
 
 
-def test_terminal_prints_invalid_reason(bench_with, terminal):
+def test_repeated_trial_is_shown_with_reason_and_row(bench_with, terminal):
     bench = bench_with()
     bench.answer(PRESS)
     bench.answer(Record(replace(ROW.trial, response=None, valid=False, invalid_reason="too_light")))
-    terminal.shows("no answer, not valid: too light")
-
-
-def test_repeated_trial_is_shown_with_its_row(bench_with, terminal):
-    bench = bench_with()
-    bench.answer(PRESS)
-    bench.answer(Record(replace(ROW.trial, valid=False, invalid_reason="too_light")))
     bench.answer(PRESS)
     bench.answer(Record(replace(ROW.trial, attempt=2)))
+    terminal.shows("no answer, not valid: too light")
     terminal.shows("trial 2: tone 5")
     terminal.shows("1, valid (trial 7, attempt 2)")
 

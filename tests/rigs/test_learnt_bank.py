@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from learnt_file import PROVENANCE, true_responses, write_responses
+from command_line import at_the_console
+from short_studies import shortened
 
+from tactometry.devices.outputs.output import RAMP_S, with_ramps
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.bench.bench_file import parse_bench
 from tactometry.experiments.bench.bench_parts import Learnt
@@ -13,8 +15,13 @@ from tactometry.experiments.bench.stimuli import bank_of, learnt_facts
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.provenance import sha256
+from tactometry.records.journal import read
+from tactometry.session.request import Press
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
+from tactometry.stimuli.time_reversal.responses.learning import write_learnt
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +95,24 @@ def test_missing_responses_file_is_named(experiment, learnt):
         bank_of(experiment, learnt)
 
 
+def test_session_plays_the_learnt_responses(learnt, tmp_path, capsys, monkeypatch):
+    write_responses(learnt.responses, noise_db=40.0, factor=1.5)
+    study, bench, played = tmp_path / "s.toml", tmp_path / "bench.toml", tmp_path / "played"
+    study.write_text(shortened("time-reversal-threshold"), "utf-8")
+    output = f'[output]\nkind = "file"\nfolder = "{played}"\n'
+    bench.write_text(f'{output}[time_reversal]\nresponses = "{learnt.responses}"\n', "utf-8")
+    status, errors, _ = at_the_console(capsys, monkeypatch, study, tmp_path / "d", "1\n" * 100, "--bench", bench)
+    assert status == 0, errors
+    [journal] = (tmp_path / "d" / "journals").glob("*.jsonl")
+    recording = read(journal)
+    assert recording.head.facts["responses_measured"] == "2026-11-20 ZG"
+    bank = bank_of(wire(load(str(study))[0], "s.toml"), learnt)
+    felt = [(request, answer) for request, answer in recording.entries if isinstance(request, Press) and answer.digest]
+    assert felt
+    for request, answer in felt:
+        assert answer.digest == with_ramps(bank[request.stimulus].at(request.level), RAMP_S).digest()
+
+
 def test_journal_identifies_the_learnt_responses(learnt):
     write_responses(learnt.responses)
     assert learnt_facts(learnt) == {
@@ -96,3 +121,21 @@ def test_journal_identifies_the_learnt_responses(learnt):
         "responses_measured": " ".join(PROVENANCE.values()),
     }
     assert learnt_facts(None) == {}
+
+
+PROVENANCE = {"measured_on": "2026-11-20", "measured_by": "ZG"}
+
+
+def true_responses():
+    setup = Setup()
+    return setup.responses_at(*setup.focus_m)
+
+
+def write_responses(path, *, noise_db=np.inf, factor=1.0, n_samples=None, n_points=1):
+    """Write them with noise so many dB below, and changed as asked: what was written."""
+    true = true_responses()
+    rms = np.sqrt(np.mean(true.samples**2))
+    noise = rms * 10 ** (-noise_db / 20) * np.random.default_rng(5).standard_normal(true.samples.shape)
+    samples = np.tile(factor * (true.samples + noise)[..., :n_samples], (n_points, 1, 1))
+    write_learnt(Responses(samples, true.rate_hz), Path(path), PROVENANCE)
+    return samples

@@ -3,7 +3,6 @@
 import os
 import pty
 import select
-import subprocess
 import sys
 import termios
 import time
@@ -11,9 +10,7 @@ from dataclasses import replace
 
 import pytest
 from hypothesis import given, strategies as st
-from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
-from study_texts import tutorial_in
-from tables import event_rows, is_sound, trial_rows
+from patience import LONGEST_WAIT_S
 
 from tactometry.rigs.experimenter.live import LiveTerminal, Typed, has_status_area
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, StatusLine, status_words
@@ -39,7 +36,6 @@ class Seen:
         self.data = b""
 
     def rows(self):
-        """Return the rows that are not empty."""
         while select.select([self.master], [], [], 0)[0]:
             try:
                 data = os.read(self.master, 4096)
@@ -49,17 +45,15 @@ class Seen:
             self._stream.feed(data)
         return [row.rstrip() for row in self.screen.display if row.strip()]
 
-    def until(self, holds, longest_s=LONGEST_WAIT_S):
-        end_s = time.monotonic() + longest_s
+    def until(self, holds):
+        end_s = time.monotonic() + LONGEST_WAIT_S
         while not holds(found := self.rows()):
             assert time.monotonic() < end_s, found
             time.sleep(0.01)
-        return found
 
 
 @pytest.fixture
 def desk(monkeypatch):
-    """A live terminal, its rendered screen, and its file descriptor."""
     monkeypatch.setenv("TERM", "xterm")
     master, slave = pty.openpty()
     termios.tcsetwinsize(slave, (HIGH, 100))
@@ -190,87 +184,3 @@ def test_status_is_stored_when_terminal_is_dumb(monkeypatch, desk):
     plain = ExperimenterTerminal()
     plain.status("trial 1 of 40")
     assert plain.status_text == "trial 1 of 40"
-
-
-class Sitting:
-    """A `tactometry run` in a window, controlled from a pseudo-terminal."""
-
-    def __init__(self, folder, hands):
-        changes = {'duration_s = "500 ms"': 'duration_s = "100 ms"', "repeats = 4": "repeats = 1"}
-        study, bench, self.data = tutorial_in(folder, changes), folder / "b.toml", folder / "d"
-        bench.write_text("[screen]\nfullscreen = false\n")
-        words = ["run", study, "--participant", "P01", "--seed", "1", "--out", self.data, "--bench", bench]
-        self._master, slave = pty.openpty()
-        termios.tcsetwinsize(slave, (HIGH, 100))
-        command = [sys.executable, "-m", "tactometry", *map(str, words)]
-        ends = dict.fromkeys(("stdin", "stdout", "stderr"), slave)
-        self.process = subprocess.Popen(command, **ends, env={**os.environ, "TERM": "xterm"})
-        os.close(slave)
-        self.seen, self._hands = Seen(self._master), hands
-        self.seen.until(lambda rows: rows[-2:-1] and rows[-2].startswith("trial 1 of 10"), LONGEST_PROGRAM_S)
-
-    def types(self, words):
-        os.write(self._master, words.encode())
-
-    def answers_until(self, holds=lambda rows: False):
-        """Answer questions until the rows meet a condition or the session ends.
-
-        Return the rows of the terminal.
-        """
-        end_s = time.monotonic() + LONGEST_PROGRAM_S
-        while self.process.poll() is None and not holds(self.seen.rows()):
-            assert time.monotonic() < end_s
-            for key in ("space", "y"):
-                self._hands.tap(key)
-                time.sleep(0.03)
-        return self.seen.rows()
-
-    def close(self):
-        self.process.kill()
-        self.process.wait()
-        os.close(self._master)
-
-
-@pytest.fixture
-def sitting(display, tmp_path):
-    made = Sitting(tmp_path, display)
-    yield made
-    made.close()
-
-
-def test_status_line_stays_whole_during_a_session(sitting):
-    """The experimenter types while the participant answers in the window."""
-    statuses = set()
-
-    def note(rows):
-        statuses.update(rows[-2:-1] if rows and rows[-1].startswith("> n half") else ())
-
-    sitting.types("n a remark\nfrog\nn half a re")
-    rows = sitting.answers_until(note)
-    assert sitting.process.returncode == 0, rows
-    assert any(row.startswith("trial 1 of 10 · ") for row in statuses), statuses
-    assert all(row.startswith(("trial ", "over")) for row in statuses), statuses
-    assert "noted" in rows
-    assert any(row.startswith("found 'frog', expected one of") for row in rows)
-    assert b"; 2 procedures: " in sitting.seen.data
-    assert b"trial 1: " in sitting.seen.data
-    assert b"dry run (slide) | trial 1" not in sitting.seen.data
-
-
-def test_experimenter_can_invalidate_skip_and_end(sitting):
-    sitting.answers_until(lambda rows: b"trial 2: " in sitting.seen.data)
-    sitting.types("i\n")
-    sitting.answers_until(lambda rows: b"does not count: it is asked again" in sitting.seen.data)
-    sitting.types("k\n")
-    sitting.answers_until(lambda rows: b"block 1 is skipped" in sitting.seen.data)
-    sitting.answers_until(lambda rows: any("answered" in row for row in rows[-4:]))
-    sitting.types("e\n")
-    sitting.answers_until()
-    assert sitting.process.returncode == 1
-    assert b"block 2 is left, and the session ends" in sitting.seen.data
-    assert b"2 skipped; next: tactometry analyse" in sitting.seen.data
-    assert is_sound(sitting.data)
-    slips = [row for row in trial_rows(sitting.data) if row["valid"] == "0"]
-    assert [(row["attempt"], row["correct"], row["invalid_reason"]) for row in slips] == [("1", "", "experimenter")]
-    orders = [row["text"] for row in event_rows(sitting.data) if row["trial_type"] == "order"]
-    assert orders == ["invalidate", "skip", "end"]

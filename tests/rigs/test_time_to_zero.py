@@ -14,19 +14,10 @@ from tactometry.session.request import Press
 
 
 @pytest.fixture
-def driver(sink, monkeypatch):
-    """An audio driver for the sink; PortAudio restarts in its environment."""
-    sounddevice = pytest.importorskip("sounddevice")
-    for name in ("ALSA_CONFIG_PATH", "PULSE_SERVER"):
-        monkeypatch.setenv(name, sink.env[name])
-    sounddevice._terminate()
-    sounddevice._initialize()
-    yield Noting(
+def driver(portaudio):
+    return Noting(
         player.settings({"rate_hz": RATE_HZ, "n_channels": 2, "device": "pulse", "latency_s": 0.2}).driver(player.GAIN)
     )
-    sounddevice._terminate()
-    monkeypatch.undo()
-    sounddevice._initialize()
 
 
 @pytest.fixture
@@ -67,7 +58,6 @@ def test_sound_stops_on_error(scene, in_background):
 
 @pytest.mark.usefixtures("unhurried_sensors")
 def test_sound_ends_with_the_touch(scene):
-    """The stimulus ends with its touch, at zero."""
     assert scene.bench.answer(Press("short", 1.0, 0.5, 1.0, 0.2, hold_s=0.1, timeout_s=30.0)).valid
     n_whole = round(0.5 * RATE_HZ)
     assert n_whole - 10 <= scene.heard("short") <= n_whole

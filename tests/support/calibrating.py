@@ -2,12 +2,11 @@
 
 import io
 import subprocess
-import sys
 
 import pytest
 from benches import gain_toml
 from command_line import call
-from patience import LONGEST_PROGRAM_S
+from window_sitting import python
 
 LOOPBACK = """
 [output]
@@ -39,10 +38,7 @@ n_channels = 2
 
 def calibrate_with(env, cwd, *arguments, answers=""):
     """Run `tactometry calibrate` in a new process with environment `env`."""
-    command = [sys.executable, "-m", "tactometry", "calibrate", *map(str, arguments)]
-    return subprocess.run(
-        command, cwd=cwd, env=env, input=answers, capture_output=True, text=True, timeout=LONGEST_PROGRAM_S, check=False
-    )
+    return python("-m", "tactometry", "calibrate", *arguments, cwd=cwd, env=env, input=answers)
 
 
 @pytest.fixture

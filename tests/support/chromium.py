@@ -16,10 +16,10 @@ FLAGS = (
     *("--disable-background-networking", "--disable-component-update", "--no-first-run", "--hide-scrollbars"),
 )
 
+OWN = ("http://127.0.0.1:", "data:", "about:")
+
 
 class Tab:
-    """A tab of the browser."""
-
     def __init__(self, to_browser, from_browser):
         self._to, self._from, self._rest, self._n = to_browser, from_browser, b"", 0
         self._session = None
@@ -56,13 +56,11 @@ class Tab:
         self.wait_for("document.readyState === 'complete'")
 
     def value(self, expression):
-        """Evaluate a line of JavaScript and return its value."""
         found = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
 
     def wait_for(self, expression):
-        """Wait until an expression is true."""
         end_s = time.monotonic() + LONGEST_WAIT_S
         while not self.value(expression):
             assert time.monotonic() < end_s, f"never true: {expression}; the page reads {self.text()!r}"
@@ -95,15 +93,13 @@ class Tab:
         found = []
         for message in self.told:
             params = message.get("params", {})
-            if message.get("method") == "Log.entryAdded" and params["entry"]["level"] == "error":
-                found.append(params["entry"]["text"])
-            if message.get("method") == "Runtime.exceptionThrown":
-                found.append(params["exceptionDetails"]["text"])
-            url = (
-                params.get("request", {}).get("url", "") if message.get("method") == "Network.requestWillBeSent" else ""
-            )
-            if url and not url.startswith(("http://127.0.0.1:", "data:", "about:")):
-                found.append(url)
+            match message.get("method"):
+                case "Log.entryAdded" if params["entry"]["level"] == "error":
+                    found.append(params["entry"]["text"])
+                case "Runtime.exceptionThrown":
+                    found.append(params["exceptionDetails"]["text"])
+                case "Network.requestWillBeSent" if not params["request"]["url"].startswith(OWN):
+                    found.append(params["request"]["url"])
         return found
 
 
@@ -114,15 +110,10 @@ def chromium(folder):
     environment = {**os.environ, "HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
     # the browser reads from 3 and writes to 4: bash assigns the pipes to these numbers
     command = f'exec "$@" 3<&{to_browser[0]} 4>&{from_browser[1]}'
-    browser = subprocess.Popen(
-        ["/bin/bash", "-c", command, "bash", PROGRAM, *FLAGS, f"--user-data-dir={folder / 'profile'}"],
-        pass_fds=(to_browser[0], from_browser[1]),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        env=environment,
-    )
-    for end in (to_browser[0], from_browser[1]):
+    words = ["/bin/bash", "-c", command, "bash", PROGRAM, *FLAGS, f"--user-data-dir={folder / 'profile'}"]
+    silent, ends = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL), (to_browser[0], from_browser[1])
+    browser = subprocess.Popen(words, pass_fds=ends, env=environment, **silent)
+    for end in ends:
         os.close(end)
     try:
         yield Tab(to_browser[1], from_browser[0])

@@ -1,12 +1,13 @@
 """Command lines that run within the test process."""
 
+import io
+
 import pytest
 
 from tactometry.cli import main
 
 
 def status(*arguments):
-    """Return the exit status of a command line."""
     with pytest.raises(SystemExit) as ended:
         main(list(map(str, arguments)))
     return ended.value.code
@@ -19,8 +20,13 @@ def call(capsys, *arguments):
     return code, said.err.strip(), said.out
 
 
+def at_the_console(capsys, monkeypatch, study, out, answers, *more):
+    """Call a console session in which these lines are typed."""
+    monkeypatch.setattr("sys.stdin", io.StringIO(answers))
+    return call(capsys, "run", study, "--participant", "P01", "--rig", "console", "--out", out, *more)
+
+
 def output(capsys, *arguments):
-    """Return the output of a command line that succeeds."""
     code, said, out = call(capsys, *arguments)
     assert code == 0, said
     return out

@@ -14,12 +14,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.arrays import FloatArray
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
 from tactometry.stimuli.electrovibration.skin.relaxation import phi1
-from tactometry.stimuli.electrovibration.skin.skin import (
-    Skin,
-    check_one_relaxation,
-    in_taus,
-    sine_voltage_v,
-)
+from tactometry.stimuli.electrovibration.skin.skin import Skin, check_one_relaxation, in_taus, sine_voltage_v
 
 __all__ = ["sine_voltage_v"]
 
@@ -32,11 +27,7 @@ def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> FloatArray:
 
 @checked
 def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
-    """Integral (N s) of the force after a step: ``b k^2 V0^2 tau/2``.
-
-    >>> round(step_impulse_n_s(100.0, Skin(), 1e-4) * 1e6, 8)
-    3.3494745
-    """
+    """Integral (N s) of the force after a step: ``b k^2 V0^2 tau/2``."""
     return force_per_square_volt_n(skin, area_m2) * _peak_v(voltage_v, skin) ** 2 * skin.tau_s / 2
 
 
@@ -48,11 +39,7 @@ def rise_peak_v(rise_s: ArrayLike, voltage_v: float, skin: Skin) -> FloatArray:
 
 @checked
 def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> FloatArray:
-    """Mean of the steady force of a sine, equal to the amplitude of its component at 2f: ``b V0^2 |H|^2/2``.
-
-    >>> (sine_mean_force_n([60.0, 240.0], 100.0, Skin(), 1e-4) * 1e3).round(7).tolist()
-    [0.1479612, 1.9583526]
-    """
+    """Mean of the steady force of a sine, equal to the amplitude of its component at 2f: ``b V0^2 |H|^2/2``."""
     check_one_relaxation(skin)
     return force_per_square_volt_n(skin, area_m2) * (voltage_v * skin.gain(frequency_hz)) ** 2 / 2
 
@@ -98,6 +85,10 @@ def _period_s(frequency_hz: ArrayLike) -> FloatArray:
 
 
 def _peak_v(voltage_v: float, skin: Skin) -> float:
-    """Corneum voltage at once after a step."""
     check_one_relaxation(skin)
     return skin.k * voltage_v
+
+
+def corneum_voltage_v(v: FloatArray, rate_hz: float, skin: Skin, area_m2: float) -> FloatArray:
+    """Voltage (..., n_samples) across the stratum corneum, from rest."""
+    return skin.relaxations(area_m2).sampled(v, rate_hz)

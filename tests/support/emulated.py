@@ -46,7 +46,6 @@ class Emulator:
             assert self.process.stdout.readline() == b"ready\n"
 
     def steer(self, counts, speed_um_per_s=0.0, length_um=1.0, since_s=0.0):
-        """Set what the hand at a sensor with `--steered` does."""
         self.process.stdin.write(f"{counts:.2f} {speed_um_per_s:.1f} {length_um:.1f} {since_s:.6f}\n".encode())
         self.process.stdin.flush()
 

@@ -2,7 +2,7 @@
 
 `python emulator.py serial FD | udp PORT | lsl NAME`.
 
-Its clock may run `--clock` times as fast as ours, from `--ahead` s on; with `--twice` each datagram comes doubled.
+Its clock may run `--clock` times as fast as ours, from `--ahead` s on.
 
 Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
 processes of a machine share, modulo 2**31; channel 2 is the force in counts. `--profile` is a repeated list of
@@ -29,7 +29,6 @@ from tactometry.devices.sensors.serial_line import SYNC, Frame
 from tactometry.devices.sensors.udp import BEGIN, END, RECORD
 
 RATE_HZ = 1000.0
-LSL_CLOCKS = {}
 
 
 def samples(asked):
@@ -65,7 +64,6 @@ class Hand:
         os.set_blocking(sys.stdin.fileno(), False)
 
     def move(self):
-        """Advance the hand by one sample."""
         with contextlib.suppress(BlockingIOError):
             *lines, self._heard = (self._heard + os.read(sys.stdin.fileno(), 4096)).split(b"\n")
             for line in lines:
@@ -125,14 +123,13 @@ def run_udp(asked):
         line.setblocking(False)
         for n, _, values in samples(asked):
             record = RECORD.pack(n % 2**32, round(7 * asked.clock * n) % 2**32, 0, *values, 0, 0, 0)
-            for _ in range((2 if asked.twice else 1) if address else 0):
+            if address:
                 line.sendto(record, address)
             if n % 100 == 0:
                 address = asker(line, address)
 
 
 def asker(line, address):
-    """Return the address of the latest request."""
     with contextlib.suppress(BlockingIOError):
         while True:
             request, origin = line.recvfrom(64)
@@ -160,7 +157,6 @@ if __name__ == "__main__":
     parser.add_argument("--profile", type=profile_of, default=profile_of("1:100"))
     parser.add_argument("--clock", type=float, default=1.0)
     parser.add_argument("--ahead", type=float, default=0.0)
-    parser.add_argument("--twice", action="store_true")
     parser.add_argument("--source-id", default="")
     parser.add_argument("--steered", action="store_true")
     asked = parser.parse_args()

@@ -39,7 +39,6 @@ class Terminal:
         os.write(self._master, line.encode() + b"\n")
 
     def sees(self, words):
-        """Return True if the terminal has shown these words."""
         while select.select([self._master], [], [], 0)[0]:
             self._seen += os.read(self._master, 4096)
         return words.encode() in self._seen
@@ -64,11 +63,24 @@ class Terminal:
 
 
 @pytest.fixture
-def bench(watched, output):
-    """A bench without sensors and terminal."""
-    rig = Bench(watched, Equipment(output, {"tone": BLIP}), texts_in("en", {}))
-    yield rig
-    rig.close()
+def bench_of(watched, output, log):
+    """A function that makes benches, with a force over time (s) and other equipment; they close with the test."""
+    rigs = []
+
+    def make(force_n=None, output=output, screen=watched, *, kept=None, terminal=None, tone=TONE, **more):
+        sensor = None if force_n is None else force_sensor(force_n, log)
+        equipment = Equipment(output, {"tone": tone}, **{"sensor": sensor, "release": False, **more})
+        rigs.append(Bench(screen, equipment, texts_in("en", {}), log=kept, terminal=terminal))
+        return rigs[-1]
+
+    yield make
+    for rig in rigs:
+        rig.close()
+
+
+@pytest.fixture
+def bench(bench_of):
+    return bench_of(tone=BLIP, release=True)
 
 
 @pytest.fixture
@@ -84,18 +96,8 @@ def kept():
 
 
 @pytest.fixture
-def bench_with(watched, output, kept, terminal, log):
-    rigs = []
-
-    def make(force_n=None):
-        sensor = None if force_n is None else force_sensor(force_n, log)
-        equipment = Equipment(output, {"tone": TONE}, sensor=sensor, release=False)
-        rigs.append(Bench(watched, equipment, texts_in("en", {}), log=kept, terminal=terminal.desk))
-        return rigs[-1]
-
-    yield make
-    for rig in rigs:
-        rig.close()
+def bench_with(terminal, kept, bench_of):
+    return lambda force_n=None: bench_of(force_n, kept=kept, terminal=terminal.desk)
 
 
 def waits_until(bench, seen):

@@ -8,5 +8,4 @@ from tactometry.stimuli.scenes.default_scenes import default_scene
 
 @lru_cache(maxsize=16)
 def felt_by(model: object) -> FeltScene:
-    """Return the sensation of a participant with this model."""
     return felt(default_scene(model))

@@ -4,6 +4,7 @@ import importlib.util
 
 import pytest
 from study_texts import tutorial_in
+from window_sitting import tactometry
 
 N_TRIALS = 3
 
@@ -46,13 +47,20 @@ def needed():
             pytest.skip(f"no {name}: extras audio, lsl")
 
 
-def study_in(folder, n_trials=N_TRIALS):
-    return tutorial_in(folder, {**STUDY, "repeats = 4": f"repeats = {n_trials}"})
+def study_in(folder, n_trials=N_TRIALS, duration="200 ms"):
+    lasting = {'duration_s = "500 ms"': f'duration_s = "{duration}"\nrate_hz = 48000.0'}
+    return tutorial_in(folder, {**STUDY, **lasting, "repeats = 4": f"repeats = {n_trials}"})
+
+
+def begin(folder, study, bench, env, **ends):
+    """Write the bench file, and start a session in the folder `data`."""
+    (folder / "bench.toml").write_text(bench, encoding="utf-8")
+    words = ("run", study, "--participant", "P01", "--bench", folder / "bench.toml", "--out", folder / "data")
+    return tactometry(*words, env=env, **ends)
 
 
 STUDY = {
     "frequency_hz = [60, 240]": "frequency_hz = [60]",
-    'duration_s = "500 ms"': 'duration_s = "200 ms"\nrate_hz = 48000.0',
     "catch_rate = 0.2": "catch_rate = 0.0",
     "levels = [22, 28, 34, 40]": "levels = [34]",
 }

@@ -5,12 +5,7 @@ import io
 import json
 from pathlib import Path
 
-YES_NO = {
-    "S01": (1, 1, 7, 12, 11),
-    "S02": (0, 0, 6, 11, 12),
-    "S03": (1, 0, 4, 11, 12),
-    "S04": (1, 2, 6, 12, 12),
-}
+YES_NO = {"S01": (1, 1, 7, 12, 11), "S02": (0, 0, 6, 11, 12), "S03": (1, 0, 4, 11, 12), "S04": (1, 2, 6, 12, 12)}
 """Positive answers of 12 at the levels 2 to 10; the true threshold is 6."""
 NEGATIVE = {"S01": (1, 0, 5, 13, 14), "S02": (1, 2, 6, 12, 14), "S03": (0, 3, 8, 11, 14)}
 """Positive answers of 14 at the levels -12 to 0."""
@@ -59,24 +54,20 @@ NEGATIVE_TRIALS = [
 
 
 def table(rows, head=HEAD, *, separator=",", end="\n"):
-    """Write rows as CSV without quotation."""
     return "".join(separator.join(map(str, row)) + end for row in (head, *rows))
 
 
 def quoted(rows, head=HEAD):
-    """Write rows as CSV with cells quoted where CSV needs it."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([head, *rows])
     return text.getvalue()
 
 
 def objects(rows):
-    """Write rows as a list of JSON objects."""
     return json.dumps([dict(zip(HEAD, row, strict=True)) for row in rows])
 
 
 def of(code, rows=TRIALS):
-    """Return the rows of one participant."""
     return [row for row in rows if row[0] == code]
 
 
@@ -117,7 +108,6 @@ def bids():
 
 
 def alternatives():
-    """Return forced choices among two and four alternatives."""
     rows = [
         (f"S0{number}", level, target, target if n < k else target % m + 1, m)
         for m, participants in CORRECT.items()
@@ -151,10 +141,7 @@ CASES = {
     ),
     "alternatives": ('[constants]\ntask = "forced_choice"\n', {"t.csv": alternatives()}),
     "leading_zeros": (MAP, {"t.csv": table(without_zeros())}),
-    "counts": (
-        TASK + COUNTS,
-        {"t.csv": table(COUNTED, ("participant", "level", "n_yes", "n_total"))},
-    ),
+    "counts": (TASK + COUNTS, {"t.csv": table(COUNTED, ("participant", "level", "n_yes", "n_total"))}),
     "unmapped_counts": (TASK, {"t.csv": table(COUNTED, ("participant", "level", "n_yes", "n_total"))}),
     "code_in_name": (MAP + '[from_name]\nparticipant = "*"\n', {f"d/{k}": v for k, v in by_name("{}.csv").items()}),
     "code_within_name": (

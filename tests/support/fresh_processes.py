@@ -54,7 +54,6 @@ def compared(without, with_it):
 
 
 def _load_libraries():
-    """Load slow libraries once for all copies."""
     import scipy.signal
     from numba import njit
 

@@ -38,7 +38,6 @@ class Picture:
 
     @property
     def card(self) -> str:
-        """Return a card with picture, link and heading."""
         heading = re.sub(r"[^\w -]", "", self.title.lower()).replace(" ", "-")
         link = f"{self.page.name}#{heading}"
         return f":::{{grid-item}}\n[![](pictures/{self.name}.png)]({link})\n\n[{self.title}]({link})\n:::\n"
@@ -49,7 +48,6 @@ def pictures_of(page: Path) -> list[Picture]:
 
 
 def first_page() -> str:
-    """Return the index page with all pictures."""
     contents = "\n".join(["```{toctree}", ":hidden:", "", *(page.stem for page in PAGES), "```", ""])
     return "\n".join([HEAD, contents, *map(_part, PAGES)])
 

@@ -6,14 +6,12 @@ SCREEN_PX = (1280, 800)
 
 
 class Hands:
-    """Hands that press keys and touch the screen by real X events."""
-
     def __init__(self, name):
         from Xlib import XK, X, display
         from Xlib.ext import xtest
 
         self._X, self._XK, self._xtest = X, XK, xtest
-        self._display = display.Display(name)
+        self._display, self._curtain = display.Display(name), None
 
     def _send(self, kind, detail=0, x=0, y=0):
         self._xtest.fake_input(self._display, kind, detail, x=x, y=y)
@@ -29,11 +27,9 @@ class Hands:
         return down_s, time.perf_counter()
 
     def touch(self, x, y):
-        """Click at (x, y) in screen heights from the middle."""
         self.drag((x, y))
 
     def drag(self, *places):
-        """Press at the first place and release at the last."""
         for n, place in enumerate(places):
             self._move(*place)
             if n == 0:
@@ -45,7 +41,6 @@ class Hands:
         self.point(round(width / 2 + x * height), round(height / 2 - y * height))
 
     def click(self, x_px, y_px):
-        """Click at a pixel."""
         self._send(self._X.MotionNotify, x=x_px, y=y_px)
         self._send(self._X.ButtonPress, 1)
         self._send(self._X.ButtonRelease, 1)
@@ -68,6 +63,21 @@ class Hands:
         """Return one pixel as RGB, much faster than the whole screen."""
         image = self._display.screen().root.get_image(x_px, y_px, 1, 1, self._X.ZPixmap, 0xFFFFFFFF)
         return tuple(image.data[2::-1])
+
+    def cover(self):
+        """Put black in front of all windows, until the next one opens."""
+        if self._curtain is None:
+            root, like_root = self._display.screen().root, self._X.CopyFromParent
+            self._curtain = root.create_window(0, 0, *SCREEN_PX, 0, like_root, background_pixel=0)
+            self._curtain.map()
+        self._curtain.raise_window()
+        self._display.sync()
+
+    def uncover(self):
+        if self._curtain is not None:
+            self._curtain.destroy()
+            self._display.sync()
+            self._curtain = None
 
     def close(self):
         self._display.close()

@@ -110,13 +110,11 @@ def _cases_of(path: Path) -> Iterator[Case]:
 
 
 def _number(bound: ast.expr) -> float | None:
-    """Return the bound, or None if it is computed."""
     return float(ast.literal_eval(bound)) if isinstance(bound, ast.Constant) else None
 
 
 @cache
 def rows() -> dict[str, str]:
-    """Return the text of the error that the page states for each case."""
     lines = PAGE.read_text(encoding="utf-8").splitlines() if PAGE.exists() else []
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
     return {cell[0]: cell[2] for cell in cells if cell[0] != "case"}
@@ -136,7 +134,6 @@ def _stated(error: float | None) -> str:
 
 
 def stated() -> dict[str, float]:
-    """Return the error that the page states for each case that has one."""
     return {name: float(error) for name, error in rows().items() if error != UNSEEN}
 
 

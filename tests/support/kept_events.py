@@ -4,8 +4,6 @@ from tactometry.session.answer import TracePart
 
 
 class Kept:
-    """A log with its events in a list."""
-
     recorded_s = None
     wanted = ()
 

@@ -7,15 +7,8 @@ import numpy as np
 import pytest
 from places import SHARED
 
-MATLAB = (
-    "M_test1",
-    "M_2AFC_norm",
-    "M_2AFC_logistic",
-    "M_YesNo_norm",
-    "M_YesNo_logistic",
-    "M_2AFC_gumbel",
-    "M_YesNo_rgumbel",
-)
+MATLAB = ("M_test1", "M_2AFC_norm", "M_2AFC_logistic", "M_YesNo_norm", "M_YesNo_logistic", "M_2AFC_gumbel")
+MATLAB += ("M_YesNo_rgumbel",)
 NAMES = {"norm": "normal", "rgumbel": "reversed_gumbel"}
 FILE = SHARED / "data" / "psignifit_matlab_cases.json"
 

@@ -19,22 +19,10 @@ def read(path: Path) -> NotebookNode:
 
 
 def executed(notebook: NotebookNode, folder: Path) -> NotebookNode:
-    """Execute a notebook from top to bottom in a new kernel in the folder.
-
-    Raises
-    ------
-    CellExecutionError
-        If a cell fails.
-    """
-    client = NotebookClient(
-        notebook,
-        timeout=LONGEST_PROGRAM_S,
-        kernel_name="python3",
-        resources={"metadata": {"path": str(folder)}},
-        record_timing=False,
-        coalesce_streams=True,
-    )
-    return client.execute()
+    """Execute a notebook from top to bottom in a new kernel in the folder."""
+    options = {"kernel_name": "python3", "record_timing": False, "coalesce_streams": True}
+    where = {"metadata": {"path": str(folder)}}
+    return NotebookClient(notebook, timeout=LONGEST_PROGRAM_S, resources=where, **options).execute()
 
 
 def shown(notebook: NotebookNode) -> dict[str, list[str]]:

@@ -14,25 +14,25 @@ from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 SUPPLY_V = 100.0
 RATE_HZ, CAPACITANCE_F, PER_VOLT_M = 250e3, 5e-9, 1e-8
 DURATION_S, CURRENT_A, DISPLACEMENT_M = 1.0, 0.5, 100e-6
-BOARD = """
+BOARD = f"""
 [output]
 kind = "packed"
-path = "{path}"
+path = "{{path}}"
 n_channels = 33
 rate_hz = "250 kHz"
 electrode = 4
 ungated = true
-{more}
-{gain}
+{{more}}
+{{gain}}
 [output.load]
 kind = "piezo"
-capacitance_f = {capacitance_f}
-displacement_m_per_v = [{per_volt_m}]
+capacitance_f = {CAPACITANCE_F}
+displacement_m_per_v = [{PER_VOLT_M}]
 [limits]
-voltage_peak_v = {supply_v}
-duration_s = {duration_s}
-current_peak_a = {current_a}
-displacement_peak_m = {displacement_m}
+voltage_peak_v = {{supply_v}}
+duration_s = {DURATION_S}
+current_peak_a = {CURRENT_A}
+displacement_peak_m = {DISPLACEMENT_M}
 duty = 1.0
 session_s = "45 min"
 """
@@ -42,17 +42,8 @@ ELECTRODE, PLATES = 4, [channel for channel in range(33) if channel != 4]
 
 
 def board_in(folder, path, supply_v=SUPPLY_V, more=""):
-    text = BOARD.format(
-        path=path,
-        more=more,
-        gain=gain_toml(f"packed {path}", supply_v, 1.0),
-        capacitance_f=CAPACITANCE_F,
-        per_volt_m=PER_VOLT_M,
-        supply_v=supply_v,
-        duration_s=DURATION_S,
-        current_a=CURRENT_A,
-        displacement_m=DISPLACEMENT_M,
-    )
+    gain = gain_toml(f"packed {path}", supply_v, 1.0)
+    text = BOARD.format(path=path, more=more, gain=gain, supply_v=supply_v)
     (folder / "bench.toml").write_text(text, encoding="utf-8")
     return load_bench(folder / "bench.toml")
 

@@ -3,7 +3,7 @@
 `<!-- not run: WHY -->`, `<!-- file: NAME -->` (it is written there, for the blocks below), `<!-- of: FILE -->` (its
 lines are lines of that file), and before TOML what reads it: `<!-- bench -->`, `<!-- study -->` (a whole one),
 `<!-- study: tutorial -->` (put over that study), `<!-- keys: touch.slide -->` (a table of keys) and the other names of
-`page_files.READERS`. `<!-- before: COMMAND -->` runs a command that the page does not show; `<!-- with: PROGRAM -->`
+`page_runner.READERS`. `<!-- before: COMMAND -->` runs a command that the page does not show; `<!-- with: PROGRAM -->`
 runs the block where that program is installed.
 """
 
@@ -50,5 +50,4 @@ def blocks_of(page: Path) -> list[Block]:
 
 
 def texts_of(page: str, language: str) -> list[str]:
-    """The blocks of a page of the docs in a language."""
     return [block.text for block in blocks_of(DOCS / page) if block.language == language]

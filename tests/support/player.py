@@ -26,14 +26,8 @@ def noise(n_channels, rate_hz, duration_s):
 
 
 def settings(asked):
-    return AudioSettings(
-        asked["rate_hz"],
-        asked["device"],
-        tuple(range(asked["n_channels"])),
-        "int16",
-        latency_s=asked.get("latency_s", 0.05),
-        shared=True,
-    )
+    channels, latency_s = tuple(range(asked["n_channels"])), asked.get("latency_s", 0.05)
+    return AudioSettings(asked["rate_hz"], asked["device"], channels, "int16", latency_s=latency_s, shared=True)
 
 
 def frames(asked):
@@ -44,7 +38,6 @@ def frames(asked):
 
 
 def tell(course):
-    """Print how many frames the device has requested, repeatedly."""
     while True:
         os.write(1, f"{course._at}\n".encode())
         time.sleep(0.001)

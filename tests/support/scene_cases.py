@@ -124,7 +124,6 @@ TIME_REVERSAL: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] = {
 
 
 def tuned(kind: str) -> list[Effect]:
-    """Return an effect with the effects it requires."""
     return [effect(name, **TIME_REVERSAL[name][0]) for name in (kind, *TIME_REVERSAL[kind][1])]
 
 
@@ -199,7 +198,6 @@ def finest_of(scene: Scene, *accuracies: float) -> Scene:
 
 
 def refusal(scene: Scene) -> str:
-    """Return the reason why an accuracy is refused."""
     try:
         scene.resolve()
     except InvalidParameter as refused:

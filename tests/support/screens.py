@@ -1,7 +1,4 @@
-"""All pages of the participant, and `python screens.py WIDTH HEIGHT FOLDER`: pictures of them on such a screen."""
-
-import sys
-from pathlib import Path
+"""All pages of the participant."""
 
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
@@ -12,42 +9,21 @@ from tactometry.session.request import MISSED_LABELS
 
 FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx", "en"), ("pleasantness-vas", "en"))
 
+LEFT = (
+    *("welcome", "instructions_yes_no", "instructions_forced_choice", "block", "questions", "questions_first"),
+    *("consent", "declined", "practice", "rest", "dry_run_held", "dry_run_lost", "end"),
+)
+"""Messages that the participant leaves by a key."""
+TIMED = ("key_test", "resting", "pause", "stopped")
+
 
 def message_pages(texts, aspect):
-    values = {
-        "stop": texts.label("escape"),
-        "experimenter": texts.label("experimenter"),
-        "block": 2,
-        "n_blocks": 21,
-        "part": 2,
-        "n_parts": 21,
-        "n_questions": 28,
-        "n_keys": 3,
-        "within_s": 10.0,
-    }
-    names = [
-        "welcome",
-        "instructions_yes_no",
-        "instructions_forced_choice",
-        "block",
-        "questions",
-        "questions_first",
-        "consent",
-        "declined",
-        "practice",
-        "rest",
-        "dry_run_held",
-        "dry_run_lost",
-        "end",
-    ]
+    values = {"block": 2, "n_blocks": 21, "part": 2, "n_parts": 21, "n_questions": 28, "n_keys": 3, "left_s": 25}
+    values |= {"stop": texts.label("escape"), "experimenter": texts.label("experimenter"), "within_s": 10.0}
     hint = texts.message("hint_continue")
-    pages = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}
-    key_test = layout.message_page(texts.message("key_test", values), "", aspect)
-    resting = layout.message_page(texts.message("resting", {"left_s": 25}), "", aspect)
-    progress = layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)
-    pause = layout.message_page(texts.message("pause"), "", aspect)
-    stopped = layout.message_page(texts.message("stopped", values), "", aspect)
-    return pages | {"key_test": key_test, "resting": resting, "block": progress, "pause": pause, "stopped": stopped}
+    left = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in LEFT}
+    timed = {name: layout.message_page(texts.message(name, values), "", aspect) for name in TIMED}
+    return left | timed | {"block": layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)}
 
 
 def picture_pages(texts, aspect):
@@ -109,7 +85,6 @@ def all_pages(language, aspect):
 
 
 def form_pages(name, language, aspect):
-    """Return a questionnaire's last page with each of two answers."""
     loaded = load(name)
     page = pages(loaded, loaded.items)[-1]
     drawn = form.Form(page, texts_in(language, {}))
@@ -118,31 +93,16 @@ def form_pages(name, language, aspect):
     return [form.form_page(drawn, marks, aspect) for marks in marked]
 
 
-def entry_page(aspect):
+def other_pages(aspect):
+    """Return forms, a number and the bar by name."""
     texts = texts_in("en", {})
-    return entry.entry_page(texts.message("how_strong"), "12.5", texts.message("hint_enter"), aspect, ready=True)
+    found = {f"form_{name}_{language}": form_pages(name, language, aspect)[0] for name, language in FORMS}
+    how_strong, hint = texts.message("how_strong"), texts.message("hint_enter")
+    found["entry"] = entry.entry_page(how_strong, "12.5", hint, aspect, ready=True)
+    return found | {"bar": layout.bar_page(BAR_WORDS, texts.message("hint_continue"), aspect, BAR_PART)}
 
 
 def every_page(aspect):
-    """Return all pages by name: both languages, forms, number and bar."""
+    """Return all pages by name, in every language."""
     found = {f"{lang}_{name}": page for lang in languages() for name, page in all_pages(lang, aspect).items()}
-    found |= {f"form_{name}_{lang}": form_pages(name, lang, aspect)[0] for name, lang in FORMS}
-    bar = layout.bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), aspect, BAR_PART)
-    return found | {"entry": entry_page(aspect), "bar": bar}
-
-
-def main(width, height, folder):
-    """Picture every page in a window of this size on the display that is there."""
-    from tactometry.rigs.window import Window
-
-    folder.mkdir(parents=True, exist_ok=True)
-    window = Window(fullscreen=False, size=(width, height))
-    for name, page in every_page(window.aspect).items():
-        picture = window.picture(page)
-        assert picture.size == (width, height), picture.size
-        picture.save(folder / f"{name}.png")
-    window.close()
-
-
-if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))
+    return found | other_pages(aspect)

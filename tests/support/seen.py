@@ -1,13 +1,9 @@
 """Recognition of what a screen shows, from its pixels alone."""
 
 from dataclasses import dataclass
-from functools import cache
-from importlib.util import find_spec
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
 from scipy import ndimage
 
 PAPER, INK, BLUE, YELLOW = ((14, 17, 22), (245, 247, 250), (86, 180, 233), (240, 228, 66))
@@ -17,8 +13,6 @@ EDGE_FROM, QUIET_FROM, INK_FROM, COLOUR_FROM = 0.3, 0.5, 0.72, 0.5
 NOTHING, EDGE_LIKE, QUIET_LIKE, INK_LIKE, BLUE_LIKE, YELLOW_LIKE = range(6)
 GREYS = (EDGE_LIKE, QUIET_LIKE, INK_LIKE)
 ROUND, EDGE_PX, ROW_PX = 0.03, 4, 2
-SYMBOLS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-GLYPH_PX = 24
 
 
 @dataclass(frozen=True)
@@ -51,9 +45,6 @@ class Body:
     def is_square(self, within_px):
         return abs(self.width - self.height) <= within_px
 
-    def holds(self, other):
-        return self.x0 < other.x0 and other.x1 < self.x1 and self.y0 < other.y0 and other.y1 < self.y1
-
 
 @dataclass(frozen=True)
 class Bar:
@@ -80,7 +71,6 @@ class Seen:
     dot_px: float | None = None
     ring_px: float | None = None
     choices: tuple[Body, ...] = ()
-    keys: tuple[str, ...] = ()
     boxes: tuple[Body, ...] = ()
     typed: bool = False
     rows: tuple[tuple[Body, ...], ...] = ()
@@ -90,7 +80,6 @@ class Seen:
 
     @property
     def kind(self):
-        """Kind of page."""
         if self.marker is not None:
             return "touch"
         if self.rows:
@@ -132,7 +121,6 @@ def bodies(mask, least_px=4, corners=1):
 
 
 def see(picture):
-    """Recognise the content of a whole screen (height, width, 3)."""
     pixels = colours(np.asarray(picture, np.uint8))
     height_px = len(pixels)
     blue = bodies(pixels == BLUE_LIKE)
@@ -145,7 +133,6 @@ def see(picture):
     return Seen(
         height_px,
         choices=choices,
-        keys=tuple(_key(picture, pixels, box) for box in choices),
         boxes=tuple(body for body in boxes if body not in choices),
         typed=_typed(pixels, boxes),
         rows=rows,
@@ -216,14 +203,11 @@ def _rows(pixels, height_px):
 
 
 def _of_one_size(rings):
-    """Return a row's rings of equal size from the left, without letters."""
     usual_px = np.median([ring.width for ring in rings])
     return sorted((ring for ring in rings if abs(ring.width - usual_px) <= ROW_PX), key=lambda ring: ring.x0)
 
 
 def _marked(pixels, rows):
-    """Return the index of the marked ring of each row."""
-
     def dotted(ring):
         x, y = (int(place) for place in ring.middle)
         return pixels[y, x] == YELLOW_LIKE
@@ -237,43 +221,3 @@ def _typed(pixels, boxes):
         return False
     box = max(boxes, key=lambda body: body.width)
     return bool((pixels[box.y0 + EDGE_PX : box.y1 - EDGE_PX, box.x0 + EDGE_PX : box.x1 - EDGE_PX] == INK_LIKE).any())
-
-
-def _key(picture, pixels, box):
-    """Return the key of a choice, in its small box or alone."""
-    inside = pixels[box.y0 : box.y1, box.x0 : box.x1] >= QUIET_LIKE
-    within = [body for body in bodies(inside) if 0.1 * box.height < body.height < 0.6 * box.height]
-    frames = [body for body in within if body.is_square(4) and body.height > 0.2 * box.height]
-    signs = [body for frame in frames for body in within if frame.holds(body)]
-    signs = signs or [body for body in within if body.height > 0.25 * box.height]
-    return _symbol(picture[box.y0 : box.y1, box.x0 : box.x1], signs[0]) if len(signs) == 1 else ""
-
-
-@cache
-def _glyphs():
-    """Return how letters and digits look in the screen's font."""
-    package = Path(find_spec("psychopy").origin).parent
-    font = ImageFont.truetype(str(package / "assets" / "fonts" / "NotoSans-Regular.ttf"), 60)
-    return {symbol: _drawn(symbol, font) for symbol in SYMBOLS}
-
-
-def _drawn(symbol, font):
-    image = Image.new("L", (120, 120))
-    ImageDraw.Draw(image).text((30, 20), symbol, 255, font)
-    return _scaled(image.crop(image.getbbox()))
-
-
-def _scaled(image):
-    """Scale into a square as wide as the larger side."""
-    side = max(image.size)
-    square = Image.new("L", (side, side))
-    square.paste(image, ((side - image.width) // 2, (side - image.height) // 2))
-    return np.asarray(square.resize((GLYPH_PX, GLYPH_PX), Image.Resampling.BILINEAR), float)
-
-
-def _symbol(pixels, body):
-    """Return the letter or digit of a body."""
-    grey = pixels[body.y0 - 1 : body.y1 + 1, body.x0 - 1 : body.x1 + 1].mean(axis=2)
-    grey = 255 * (grey - grey.min()) / (np.ptp(grey) or 1)
-    seen = _scaled(Image.fromarray(grey.astype(np.uint8)))
-    return max(_glyphs(), key=lambda symbol: float(np.corrcoef(_glyphs()[symbol].ravel(), seen.ravel())[0, 1]))

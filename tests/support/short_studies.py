@@ -11,7 +11,6 @@ def text_of(name):
 
 
 def without(name, lines):
-    """Remove the matching lines of a study."""
     return tuple((line, "") for line in re.findall(lines, text_of(name), re.MULTILINE))
 
 

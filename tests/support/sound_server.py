@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from emulated import wait_for
 
+ALSA = Path("/usr/share/alsa/alsa.conf")
+
 
 @pytest.fixture
 def alsa(tmp_path):
@@ -34,6 +36,20 @@ def sink(server):
     return server
 
 
+@pytest.fixture
+def portaudio(sink, monkeypatch):
+    """PortAudio in this process, restarted in the environment of the sink."""
+    sounddevice = pytest.importorskip("sounddevice")
+    for name, value in sink.env.items():
+        monkeypatch.setenv(name, value)
+    sounddevice._terminate()
+    sounddevice._initialize()
+    yield
+    sounddevice._terminate()
+    monkeypatch.undo()
+    sounddevice._initialize()
+
+
 def heard_part(frames):
     heard = np.flatnonzero(frames.any(axis=1))
     assert len(heard), "the sink heard nothing"
@@ -56,22 +72,17 @@ def alsa_in(folder):
 
 def played(raw, wanted):
     """Return True if a recording contains the wanted frames without gaps."""
-    frames = np.frombuffer(raw[: len(raw) // (2 * wanted.shape[1]) * 2 * wanted.shape[1]], "<i2")
-    frames = frames.reshape(-1, wanted.shape[1])
-    heard = np.flatnonzero(frames.any(axis=1))
-    return len(heard) > 0 and np.array_equal(frames[heard[0] : heard[-1] + 1], wanted)
+    n_channels = wanted.shape[1]
+    frames = np.frombuffer(raw[: len(raw) // (2 * n_channels) * 2 * n_channels], "<i2").reshape(-1, n_channels)
+    return np.array_equal(heard_part(frames), wanted)
 
 
 class Sink:
     """A private PulseAudio with one silent sink, whose monitor is recorded."""
 
     def __init__(self, folder, alsa):
-        self.env = {
-            **alsa,
-            "PULSE_SERVER": f"unix:{folder}/pulse.socket",
-            "XDG_RUNTIME_DIR": str(folder),
-            "HOME": str(folder),
-        }
+        self.env = {**alsa, "PULSE_SERVER": f"unix:{folder}/pulse.socket"}
+        self.env |= {"XDG_RUNTIME_DIR": str(folder), "HOME": str(folder)}
         sink = "module-null-sink sink_name=finger rate=48000 channels=2 format=s16le"
         command = [
             "pulseaudio",
@@ -96,7 +107,6 @@ class Sink:
             raise
 
     def begin(self):
-        """Begin a new record."""
         self.n_before = self.raw.stat().st_size // 4 * 4
 
     def heard(self):
@@ -116,6 +126,3 @@ class Sink:
             if process is not None:
                 process.terminate()
                 process.wait(10)
-
-
-ALSA = Path("/usr/share/alsa/alsa.conf")

@@ -11,7 +11,6 @@ SOUND = {"output": "audio x", "output_volts_per_unit": 200.0, "output_n_underrun
 
 
 def sit(root, facts, stops_at=None, *, resume=False, experiment=EXPERIMENT, toml=TOML, who=WHO, rig="bench"):
-    """Record one sitting and return the messages before it began."""
     told, make = [], simulated(experiment, who).make
     kind = RigKind(rig, lambda seed, log: Attended(make(seed, log), facts, stops_at))
     try:

@@ -15,7 +15,6 @@ FOLDERS = ("tactometry", *WINGS)
 
 
 def sources() -> list[Path]:
-    """Return the Python files, each once."""
     paths = (path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
     return sorted(path for path in paths if not any(part.is_symlink() for part in (path, *path.parents)))
 
@@ -40,7 +39,6 @@ def copy_tree(place: Path, *files: str) -> Path:
 
 
 def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
-    """Run import-linter on a tree."""
     script = "import sys; sys.path.insert(0, '.'); from importlinter.cli import lint_imports_command; "
     command = [sys.executable, "-c", script + "lint_imports_command()", "--no-cache", "--no-logo"]
     return subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)

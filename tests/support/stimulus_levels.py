@@ -68,7 +68,6 @@ def _summary(value: Any) -> list[float | str]:
 
 
 def _plain(value: float) -> float | str:
-    """JSON has no infinity."""
     return str(value) if isinf(value) else float(value)
 
 

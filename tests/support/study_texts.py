@@ -30,19 +30,16 @@ TUTORIAL = with_constant_stimuli(load("tutorial")[1].decode())
 
 
 def tutorial_in(folder, changes):
-    """Write a tutorial of constant stimuli with changes."""
     path = folder / "short.toml"
     path.write_text(changed(TUTORIAL, changes), encoding="utf-8")
     return path
 
 
 def wired(text):
-    """Return the experiment of a text."""
     return wire(parse(text.encode(), "s.toml"), "s.toml")
 
 
 def refusal(text):
-    """Return the reason why a text is refused."""
     with pytest.raises((InvalidFile, InvalidParameter)) as error:
         wired(text)
     return str(error.value)

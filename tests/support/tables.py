@@ -16,12 +16,10 @@ def rows_of(*paths):
 
 
 def trial_rows(root):
-    """Return the trials of a data set by session."""
     return rows_of(*sorted((root / "data").glob("*.csv")))
 
 
 def event_rows(root):
-    """Return the events of a data set's sessions."""
     return rows_of(*sorted((root / "journals").glob("*_events.tsv")))
 
 

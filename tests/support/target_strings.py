@@ -28,7 +28,6 @@ def targets(tree: ast.Module, module: str, package: str) -> set[tuple[str, str]]
 
 
 def text_of(node: ast.AST, known: Mapping[str, str]) -> str | None:
-    """Return the value of a string or f-string node."""
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         return node.value
     return "".join(_part(part, known) for part in node.values) if isinstance(node, ast.JoinedStr) else None

@@ -34,7 +34,6 @@ def _free_m(signal, setup, at_m):
 
 @lru_cache(maxsize=32)
 def _felt_m(signal, setup, at_m):
-    """Return the perceived amplitude on the free plate at any contact."""
     return felt_amplitude_m(*events(_free_m(signal, setup, at_m), signal.rate_hz))
 
 

@@ -18,8 +18,6 @@ from tactometry.experiments.watch.watcher import Watcher
 
 @dataclass
 class Served:
-    """The address of a page."""
-
     url: str
 
     @property
@@ -65,7 +63,6 @@ class Served:
 
 @contextmanager
 def watched(root, **which):
-    """The page of a data set."""
     told, (reading, writing) = queue.Queue(), os.pipe()
     scenery = Scenery(Watcher(root, **which))
     with os.fdopen(reading, "rb", buffering=0) as until:

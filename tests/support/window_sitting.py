@@ -14,6 +14,12 @@ def tactometry(*arguments, **how):
     return subprocess.Popen(command, text=True, **{**pipes, **how})
 
 
+def python(*words, check=False, **how):
+    """Run Python with these words to its end."""
+    pipes = {"capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
+    return subprocess.run([sys.executable, *map(str, words)], check=check, **pipes, **how)
+
+
 def sit(process, hands, keys):
     """Tap the keys until the process ends; return status, output, errors."""
     ended = threading.Event()

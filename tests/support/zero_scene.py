@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import player
 from emulated import wait_for
-from sampled import Sampled
+from sampled import Passing, Sampled
 from sound_server import heard_part
 
 from tactometry.devices.outputs.guarded import Guarded
@@ -26,27 +26,21 @@ RATE_HZ = 48_000.0
 PRESS = Press("noise", 1.0, 20.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=30.0)
 
 
-class Noting:
-    """A driver that notes its frame count at the first stop or close."""
-
-    def __init__(self, driver):
-        self._driver, self.n_given = driver, None
-
-    def __getattr__(self, name):
-        return getattr(self._driver, name)
+class Noting(Passing):
+    n_given = None
 
     def _note(self):
-        if self.n_given is None and self._driver._feed is not None:
-            self.n_given = self._driver._feed._at
+        if self.n_given is None and self.wrapped._feed is not None:
+            self.n_given = self.wrapped._feed._at
 
     def stop(self):
         """Stop, then note it: the device may request blocks in between."""
-        self._driver.stop()
+        self.wrapped.stop()
         self._note()
 
     def close(self):
         self._note()
-        self._driver.close()
+        self.wrapped.close()
 
 
 class Scene:
@@ -72,7 +66,6 @@ class Scene:
             happens(*args)
 
     def heard(self, stimulus="noise"):
-        """Return how many frames the sink heard before its silence."""
         frames = self.sink.end()
         assert not frames[-4800:].any()
         heard = heard_part(frames)
@@ -93,8 +86,6 @@ LIMITS = Limits(voltage_peak_v=200.0, current_peak_a=1.0, duty=1.0, session_s=60
 
 @dataclass(frozen=True)
 class Noise:
-    """A noise without a zero sample."""
-
     duration_s: float
     unit = "V"
 
@@ -103,19 +94,15 @@ class Noise:
         return player.noise(2, RATE_HZ, self.duration_s)
 
 
-class Failing:
-    """A screen that fails on request."""
-
+class Failing(Passing):
     def __init__(self, screen):
-        self._screen, self.fails = screen, threading.Event()
-
-    def __getattr__(self, name):
-        return getattr(self._screen, name)
+        super().__init__(screen)
+        self.fails = threading.Event()
 
     def refresh(self, page):
         if self.fails.is_set():
             raise BadError
-        return self._screen.refresh(page)
+        return self.wrapped.refresh(page)
 
 
 class BadError(Exception):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from page_blocks import blocks_of
-from page_console import commands_of
+from page_runner import commands_of
 from places import ROOT
 
 STUB = '#!/bin/sh\necho tactometry "$@"\n'

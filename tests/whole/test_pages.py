@@ -8,8 +8,7 @@ from pathlib import Path
 import click
 import pytest
 from page_blocks import Block, blocks_of
-from page_console import COLUMNS
-from page_runner import run_block, run_page
+from page_runner import COLUMNS, run_block, run_page
 from places import DOCS, ROOT
 
 from tactometry.cli import tactometry

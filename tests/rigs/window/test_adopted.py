@@ -1,5 +1,6 @@
 """Adopted windows of PsychoPy scripts, restored after use."""
 
+import threading
 import time
 
 import numpy as np
@@ -23,7 +24,6 @@ LOOKS = {
 
 @pytest.fixture(scope="module")
 def theirs(display):
-    """The window of a PsychoPy script."""
     from tactometry.rigs.window import load_psychopy
 
     psychopy = load_psychopy()
@@ -35,7 +35,6 @@ def theirs(display):
 
 @pytest.fixture(params=LOOKS)
 def scene(theirs, request):
-    """The script's window with changed settings and a drawn stimulus."""
     from psychopy import visual
 
     for name, value in ({"viewScale": None, "viewPos": None, "viewOri": 0.0} | LOOKS[request.param]).items():
@@ -76,17 +75,6 @@ def state(window):
         "drawn": list(window._toDraw),
         "stack": len(window.winHandle._event_stack),
     }
-
-
-def test_adopted_window_is_restored(scene, window):
-    before, looked = state(scene), seen(scene)
-    window.present(Page())
-    assert state(scene) != before
-    window.refresh(Page())
-    window.give_back()
-    assert state(scene) == before
-    assert np.array_equal(seen(scene), looked)
-    assert np.array_equal(seen(scene), looked)
 
 
 def test_page_hides_everything_the_script_draws(scene, window, hands):
@@ -200,8 +188,18 @@ def test_rig_restores_window_after_each_answer(scene, output, hands, in_backgrou
     assert state(scene) == before
     rig.answer(Wait(0.05))
     assert state(scene) == before
-    in_background(lambda: (time.sleep(0.5), hands.tap("y")))
-    assert rig.answer(Choose("felt", (0, 1), ("no", "yes"))).option == 1
+    assert np.array_equal(seen(scene), looked)
+    answered = threading.Event()
+
+    def tap_until_answered():
+        while not answered.wait(0.3):
+            hands.tap("y")
+
+    in_background(tap_until_answered)
+    try:
+        assert rig.answer(Choose("felt", (0, 1), ("no", "yes"))).option == 1
+    finally:
+        answered.set()
     assert state(scene) == before
     rig.close()
     assert state(scene) == before

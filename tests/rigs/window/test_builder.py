@@ -1,16 +1,12 @@
 """A Builder experiment with our components, compiled and run by PsychoPy."""
 
 import json
-import os
-import subprocess
-import sys
 
 import pytest
-from patience import LONGEST_PROGRAM_S
 from places import ROOT
-from script_bench import hand_and_bench
+from script_bench import run_script
 from tables import rows_of
-from window_sitting import sit
+from window_sitting import python
 
 from tactometry.questionnaire import load
 
@@ -24,18 +20,11 @@ compileScript("felt.psyexp", None, "felt.py")
 """
 
 
-def python(folder, *command):
-    how = {"cwd": folder, "capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
-    done = subprocess.run([sys.executable, *command], **how, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout + done.stderr
-
-
 @pytest.fixture(scope="module")
 def compiled(display, tmp_path_factory):
     folder = tmp_path_factory.mktemp("builder")
-    python(folder, BUILDER_FILE, "felt.psyexp")
-    python(folder, "-c", COMPILE)
+    python(BUILDER_FILE, "felt.psyexp", cwd=folder, check=True)
+    python("-c", COMPILE, cwd=folder, check=True)
     return folder
 
 
@@ -50,25 +39,15 @@ print(json.dumps({name: list(each["params"]) for name, each in told.items() if e
 
 
 def test_builder_lists_components_with_their_fields(display, tmp_path):
-    told = json.loads(python(tmp_path, "-c", TOLD).splitlines()[0])
+    told = json.loads(python("-c", TOLD, cwd=tmp_path, check=True).stdout.splitlines()[0])
     components = {"GatedTouchComponent", "TactileStimulusComponent", "QuestionnaireComponent"}
     assert told.keys() == components | {"TactometryLoop"}
     assert all({"name", "study", "bench", "factors"} <= set(fields) for fields in told.values())
 
 
-def run(folder, hands, keys):
-    hand = hand_and_bench(folder)
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    process = subprocess.Popen([sys.executable, "felt.py"], cwd=folder, text=True, env=os.environ, **pipes)
-    try:
-        return sit(process, hands, keys)
-    finally:
-        hand.close()
-
-
 @pytest.fixture(scope="module")
 def sitting(compiled, display):
-    status, _, errors = run(compiled, display, ["y", "4", "Return"] * 2000)
+    status, _, errors = run_script(compiled, display, "felt.py", ["y", "4", "Return"] * 2000)
     assert status == 0, errors
     return rows_of(compiled / "data.csv")
 
@@ -105,7 +84,7 @@ def test_escape_ends_experiment_and_keeps_rows(compiled, display):
         return len(list((compiled / "played").glob("*.npz"))) - n_before >= 2
 
     n_before = len(list((compiled / "played").glob("*.npz")))
-    status, _, errors = run(compiled, display, keys())
+    status, _, errors = run_script(compiled, display, "felt.py", keys())
     assert (status, "Traceback" in errors) == (0, False), errors
     kept = rows_of(max(compiled.glob("data*.csv"), key=lambda path: path.stat().st_mtime))
     assert 1 <= len([row for row in kept if row["quest.response"]]) <= 3

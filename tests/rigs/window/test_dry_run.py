@@ -3,17 +3,15 @@
 from dataclasses import replace
 
 import pytest
+from experimenter_seat import BLIP
 from kept_events import Kept
-from sampled import Passing, force_sensor
+from sampled import Passing
 
-from tactometry.rigs.bench import N_DRY_RUNS, Bench
-from tactometry.rigs.device_rig import Equipment
+from tactometry.rigs.bench import N_DRY_RUNS
 from tactometry.rigs.pages.page import Text
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Press, Slide
-from tactometry.stimuli.electrovibration import Sine
 
-TONE = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.1, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, interval=1)
 SLIDE = Slide("tone", 5.0, 0.1, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05)
 ENGLISH = texts_in("en", {}).messages
@@ -37,29 +35,18 @@ class Leaving(Passing):
 
 
 @pytest.fixture
-def bench_with(watched, hands, in_background, output, log):
-    kept, rigs = Kept(), []
-
-    def make(force_n=None):
-        sensor = force_n and force_sensor(force_n, log)
-        equipment = Equipment(output, {"tone": TONE}, sensor=sensor, release=False, dry_run=True)
-        screen = Leaving(watched, hands, in_background)
-        rigs.append(Bench(screen, equipment, texts_in("en", {}), log=kept))
-        return rigs[-1], kept
-
-    yield make
-    for rig in rigs:
-        rig.close()
+def bench_with(bench_of, watched, hands, in_background):
+    kept, screen = Kept(), Leaving(watched, hands, in_background)
+    return lambda force_n=None: (bench_of(force_n, screen=screen, kept=kept, tone=BLIP, dry_run=True), kept)
 
 
-def told(page):
+def words_on(page):
     return [item.words for item in page.items if isinstance(item, Text)]
 
 
 def shown(watched, name):
-    """Return the number of pages that show a message."""
     words = ENGLISH[name].strip().partition("\n\n")[0]
-    return sum(words in told(page) for page in watched.pages)
+    return sum(words in words_on(page) for page in watched.pages)
 
 
 def of_dry_runs(kept):
@@ -70,8 +57,8 @@ def test_dry_run_runs_once_without_stimulus(bench_with, watched, log):
     bench, kept = bench_with(lambda time_s: 1.0)
     assert bench.answer(PRESS).valid
     assert log == ["output.open", "output.stop", "play 5 V", "output.stop"]
-    assert told(watched.pages[0])[0] == ENGLISH["how_press"]
-    assert ENGLISH["meaning_bar"] in told(watched.pages[0])
+    assert words_on(watched.pages[0])[0] == ENGLISH["how_press"]
+    assert ENGLISH["meaning_bar"] in words_on(watched.pages[0])
     assert [shown(watched, name) for name in ("dry_run", "dry_run_held", "dry_run_lost")] == [1, 1, 0]
     assert of_dry_runs(kept) == ["press: held"]
     n_pages = len(watched.pages)
@@ -94,7 +81,7 @@ def test_each_touch_kind_has_a_dry_run(bench_with, watched):
     for request in (PRESS, SLIDE, PRESS, SLIDE):
         assert bench.answer(request).valid
     assert of_dry_runs(kept) == ["press: held", "slide: held"]
-    pictures = [told(page) for page in watched.pages if ENGLISH["meaning_circle"] in told(page)]
+    pictures = [words_on(page) for page in watched.pages if ENGLISH["meaning_circle"] in words_on(page)]
     assert [picture[0] for picture in pictures] == [ENGLISH["how_press"], ENGLISH["how_slide"]]
     meanings = [[name for name in ("bar", "dot", "ring") if ENGLISH[f"meaning_{name}"] in each] for each in pictures]
     assert meanings == [[], ["dot"]]

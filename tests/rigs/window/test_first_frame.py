@@ -21,7 +21,6 @@ OF_NO = (-0.23, -0.06)
 
 @pytest.fixture(autouse=True, params=["quiet", pytest.param("busy", marks=pytest.mark.slow)])
 def machine(request):
-    """Run each test on the machine as it is, and with every core busy."""
     n_busy = (os.cpu_count() or 1) + 1 if request.param == "busy" else 0
     busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(n_busy)]
     yield
@@ -31,7 +30,6 @@ def machine(request):
 
 
 def stands(hands, *, within_s=LONGEST_WAIT_S, wanted=True):
-    """Return True if the number page is visible (as `wanted`) in time."""
     deadline_s = time.perf_counter() + within_s
     paper = tuple(bytes.fromhex(PAPER[1:]))
     while (hands.sees_at(*OF_NUMBER_PX) != paper) != wanted:
@@ -68,7 +66,6 @@ def test_number_typed_at_page_onset_is_complete(bench, hands, in_background):
 
 
 def test_touch_before_question_is_ignored(bench, hands, participant):
-    """The touch waits in the window's queue until the next page."""
     bench.answer(BETWEEN)
     hands.touch(*OF_NO)
     participant.answers(0.3, "y")

@@ -3,49 +3,24 @@
 import math
 import threading
 import time
-from contextlib import suppress
 from dataclasses import replace
 
-import numpy as np
 import pytest
+from experimenter_seat import TONE
 from hard_cases import exact_case
 from patience import LONGEST_WAIT_S
-from sampled import Passing, force_sensor
+from sampled import Passing
 
-from tactometry.devices.sensors.reader import Reader, SampleBlock
-from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
-from tactometry.errors import LimitExceeded, Stopped
-from tactometry.rigs.bench import Bench
-from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages.page import Text
-from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
-from tactometry.session.request import Adjust, Play, Press, Record, Show, Slide, Wait
-from tactometry.stimuli.electrovibration import Sine
+from tactometry.session.request import Adjust, Play, Press, Record, Show, Wait
 from tactometry.trials.trial import Trial
 
-TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
 TRIAL = Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None)
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=5.0)
 
 
-@pytest.fixture
-def bench_with(watched, output, log):
-    rigs = []
-
-    def make(force_n, output=output, screen=watched, limits=None, release=False, kept=None):
-        equipment = Equipment(output, {"tone": TONE}, limits, sensor=force_sensor(force_n, log), release=release)
-        rigs.append(Bench(screen, equipment, texts_in("en", {}), log=kept))
-        return rigs[-1]
-
-    yield make
-    for rig in rigs:
-        rig.close()
-
-
 class Slow(Passing):
-    """An output that starts late."""
-
     def __init__(self, output, takes_s):
         super().__init__(output)
         self._takes_s, self.begins = takes_s, threading.Event()
@@ -60,8 +35,8 @@ def held_from(start_s, force_n):
     return lambda time_s: force_n if time_s >= start_s else 0.3
 
 
-def test_stimulus_waits_for_held_force(bench_with, log):
-    touched = bench_with(held_from(0.5, 1.1)).answer(PRESS)
+def test_stimulus_waits_for_held_force(bench_of, log):
+    touched = bench_of(held_from(0.5, 1.1)).answer(PRESS)
     assert touched.valid
     assert touched.onset_s >= 0.5 + 0.2
     assert touched.force_mean_n == pytest.approx(1.1, rel=1e-9)
@@ -70,9 +45,8 @@ def test_stimulus_waits_for_held_force(bench_with, log):
     assert log == ["output.open", "play 5 V", "output.stop"]
 
 
-def test_unheld_force_times_out_without_playback(bench_with, log):
-    request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.2, timeout_s=0.6)
-    touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).answer(request)
+def test_unheld_force_times_out_without_playback(bench_of, log):
+    touched = bench_of(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).answer(replace(PRESS, timeout_s=0.6))
     assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
     assert touched.invalid_reason == "timeout"
     assert log == ["output.open"]
@@ -83,24 +57,24 @@ def test_unheld_force_times_out_without_playback(bench_with, log):
     [(None, "sensor_lost"), (math.nan, "sensor_lost"), (0.02, "lifted"), (3.1, "too_heavy")],
     ids=["the sensor is silent", "samples are lost", "the finger leaves", "the force is too high"],
 )
-def test_output_stops_when_force_is_lost(bench_with, log, afterwards, reason):
+def test_output_stops_when_force_is_lost(bench_of, log, afterwards, reason):
     request, felt = replace(PRESS, duration_s=20.0), iter([1.0] * 300)
     limits = Limits(50.0, force_peak_n=3.0)
-    bench = bench_with(lambda time_s: next(felt, afterwards) if "play 5 V" in log else 1.0, limits=limits)
+    bench = bench_of(lambda time_s: next(felt, afterwards) if "play 5 V" in log else 1.0, limits=limits)
     touched = bench.answer(request)
     assert (touched.valid, touched.invalid_reason) == (False, reason)
     assert touched.force_mean_n is not None
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
 
 
-def test_output_stops_when_sensor_thread_hangs(bench_with, log):
+def test_output_stops_when_sensor_thread_hangs(bench_of, log):
     def hangs(time_s):
         if "play 5 V" in log:
             hung.wait(LONGEST_WAIT_S)
         return 1.0
 
     hung = threading.Event()
-    touched = bench_with(hangs).answer(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0))
+    touched = bench_of(hangs).answer(replace(PRESS, duration_s=600.0))
     hung.set()
     assert not touched.valid
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
@@ -120,78 +94,19 @@ class Held(Passing):
         return self.wrapped.refresh(page)
 
 
-def test_stimulus_stopped_during_slow_frame_is_invalid(bench_with, watched, log):
+def test_stimulus_stopped_during_slow_frame_is_invalid(bench_of, watched, log):
     felt = iter([1.0] * 100)
     held = Held(watched, log)
-    touched = bench_with(lambda time_s: next(felt, None) if "play 5 V" in log else 1.0, screen=held).answer(PRESS)
+    touched = bench_of(lambda time_s: next(felt, None) if "play 5 V" in log else 1.0, screen=held).answer(PRESS)
     assert touched.force_in_band == 1.0
     assert not touched.valid
 
 
-def test_touch_with_target_force_above_limit_is_refused(bench_with, log):
-    bench = bench_with(lambda time_s: 1.0, limits=Limits(50.0, force_peak_n=1.1))
-    with pytest.raises(LimitExceeded, match=r"limits\.force_peak_n: found a force of up to 1\.2 N, the limit is 1\.1"):
-        bench.answer(PRESS)
-    assert "play 5 V" not in log
+STUCK = replace(PRESS, timeout_s=0.8)
 
 
-class Fast:
-    """A sensor whose time stamps run faster than the session clock."""
-
-    name, n_channels, rate_hz = "fast", 1, 1000.0
-
-    def __init__(self, rate):
-        self._rate = rate
-
-    def open(self):
-        self._zero_s, self._n_read = time.perf_counter(), 0
-
-    def receive(self):
-        time.sleep(2e-3)
-        n_due = int((time.perf_counter() - self._zero_s) * 1000)
-        stamps_s = self._zero_s + self._rate * np.arange(self._n_read, n_due) / 1000
-        self._n_read = n_due
-        return SampleBlock(stamps_s, np.ones((len(stamps_s), 1)))
-
-    def close(self):
-        pass
-
-    def facts(self):
-        return {}
-
-
-class Timed(Passing):
-    """An output that records its playback times."""
-
-    def __init__(self, output):
-        super().__init__(output)
-        self.played_s = []
-
-    def play(self, signal):
-        self.played_s.append(time.perf_counter())
-        return self.wrapped.play(signal)
-
-
-@pytest.mark.parametrize("rate", [1.01, 1.1, 1.3, 10.0])
-def test_fast_stamps_do_not_open_gate_early(watched, output, participant, rate):
-    """Regression: stamps 1.3 times too fast opened a 0.3 s gate after 0.23 s."""
-    sensor, timed = streamed_force(Reader(Fast(rate)), 0, ForceCalibration(1.0)), Timed(output)
-    bench = Bench(watched, Equipment(timed, {"tone": TONE}, sensor=sensor, release=False), texts_in("en", {}))
-    participant.answers(1.0, "Escape")
-    begin_s = time.perf_counter()
-    with suppress(Stopped):
-        bench.answer(Press("tone", 5.0, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.3, timeout_s=60.0))
-    bench.close()
-    assert all(played_s >= begin_s + 0.3 for played_s in timed.played_s)
-    assert len(timed.played_s) == (rate < 1.3)
-
-
-STUCK = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=0.8)
-
-
-def test_stuck_force_plays_nothing(bench_with, log, watched):
-    """The sensor is stuck from the start, so the page asks to lift the finger."""
-    touched = bench_with(lambda time_s: 1.0, release=True).answer(STUCK)
+def test_stuck_force_plays_nothing(bench_of, log, watched):
+    touched = bench_of(lambda time_s: 1.0, release=True).answer(STUCK)
     assert (touched.valid, touched.invalid_reason) == (False, "timeout")
     assert log == ["output.open"]
     assert "Lift your finger, then press again" in words_of(watched.drawn[-1])
@@ -200,7 +115,7 @@ def test_stuck_force_plays_nothing(bench_with, log, watched):
 @pytest.mark.parametrize(
     ("between_n", "plays"), [(1.0, False), (0.9, False), (1.3, True), (0.1, True), (math.nan, False)]
 )
-def test_force_must_leave_band_between_touches(bench_with, log, watched, between_n, plays):
+def test_force_must_leave_band_between_touches(bench_of, log, watched, between_n, plays):
     """The force is `between_n` for a while after the first stimulus."""
     ended = []
 
@@ -210,7 +125,7 @@ def test_force_must_leave_band_between_touches(bench_with, log, watched, between
         ended.append(time_s)
         return between_n if len(ended) < 100 else 1.0
 
-    bench = bench_with(force_n, release=True)
+    bench = bench_of(force_n, release=True)
     in_time = replace(STUCK, timeout_s=20.0)  # enough for a busy machine
     assert bench.answer(in_time).valid
     time.sleep(0.2)
@@ -225,19 +140,19 @@ def words_of(page):
 
 
 @pytest.mark.parametrize(("drifted_n", "reason"), [(1.6, "too_heavy"), (0.5, "too_light")])
-def test_force_drift_out_of_band_invalidates_trial(bench_with, log, drifted_n, reason):
-    touched = bench_with(lambda time_s: drifted_n if "play 5 V" in log else 1.0).answer(PRESS)
+def test_force_drift_out_of_band_invalidates_trial(bench_of, log, drifted_n, reason):
+    touched = bench_of(lambda time_s: drifted_n if "play 5 V" in log else 1.0).answer(PRESS)
     assert (touched.valid, touched.invalid_reason) == (False, reason)
     assert touched.force_in_band < 0.8
 
 
 @pytest.mark.usefixtures("unhurried_sensors")
-def test_gate_delay_is_unaffected_by_later_force(bench_with, log, kept):
+def test_gate_delay_is_unaffected_by_later_force(bench_of, log, kept):
     """The force re-enters its band during the stimulus and reopens the gate."""
     left = iter([0.7] * 50)
-    bench = bench_with(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, kept=kept)
+    bench = bench_of(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, kept=kept)
     begin_s = bench._done().at_s
-    touched = bench.answer(Press("tone", 5.0, 0.8, 1.0, 0.2, hold_s=0.1, timeout_s=5.0))
+    touched = bench.answer(replace(PRESS, duration_s=0.8, hold_s=0.1))
     bench.answer(Record(TRIAL))
     bench.answer(Wait(0.0))
     assert touched.valid
@@ -245,30 +160,28 @@ def test_gate_delay_is_unaffected_by_later_force(bench_with, log, kept):
     assert 0 <= told.facts["gate_delay_s"] < touched.onset_s - begin_s
 
 
-def test_sample_gap_restarts_the_hold(bench_with):
-    touched = bench_with(lambda time_s: None if 0.15 <= time_s < 0.18 else 1.0).answer(PRESS)
+def test_sample_gap_restarts_the_hold(bench_of):
+    touched = bench_of(lambda time_s: None if 0.15 <= time_s < 0.18 else 1.0).answer(PRESS)
     assert touched.onset_s >= 0.18 + 0.2
     exact_case("a gap in the samples of a held force", against="a hold anew")
 
 
-def test_escape_closes_output_then_sensor_then_screen(bench_with, participant, log):
+def test_escape_closes_output_then_sensor_then_screen(bench_of, participant, log):
     participant.answers("Escape")
     with pytest.raises(Exception, match="Escape was pressed"):
-        bench_with(held_from(60.0, 1.0)).answer(PRESS)
+        bench_of(held_from(60.0, 1.0)).answer(PRESS)
     assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "sensor.close", "screen.close"]
 
 
-def test_stimulus_starting_at_timeout_is_valid(bench_with, output, log):
-    request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=0.4)
-    touched = bench_with(held_from(0.0, 1.0), Slow(output, 1.0)).answer(request)
+def test_stimulus_starting_at_timeout_is_valid(bench_of, output, log):
+    bench = bench_of(held_from(0.0, 1.0), Slow(output, 1.0))
+    touched = bench.answer(replace(PRESS, hold_s=0.1, timeout_s=0.4))
     assert touched.digest == TONE.at(5.0).digest()
     assert touched.valid
     assert log == ["output.open", "play 5 V", "output.stop"]
 
 
 class Failing(Passing):
-    """A screen that fails while an output starts."""
-
     def __init__(self, screen, output):
         super().__init__(screen)
         self._output = output
@@ -279,25 +192,18 @@ class Failing(Passing):
         return self.wrapped.refresh(page)
 
 
-def test_devices_stay_open_while_output_starts(bench_with, watched, output, log):
+def test_devices_stay_open_while_output_starts(bench_of, watched, output, log):
     slow = Slow(output, 0.5)
-    bench = bench_with(held_from(0.0, 1.0), slow, Failing(watched, slow))
+    bench = bench_of(held_from(0.0, 1.0), slow, Failing(watched, slow))
     with pytest.raises(OSError, match="no screen"):
         bench.answer(PRESS)
     assert log == ["output.open", "play 5 V", "output.stop", "output.close", "sensor.close", "screen.close"]
 
 
-def test_slide_requires_held_force(bench_with, log):
-    request = Slide("tone", None, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05)
-    touched = bench_with(held_from(0.0, 1.0)).answer(request)
-    assert (touched.valid, touched.digest, touched.speed_mean_m_per_s) == (True, None, None)
-    assert "play 5 V" not in log
-
-
 @pytest.mark.parametrize("lost", [None, math.nan, 11.0], ids=["silent", "lost samples", "excess force"])
-def test_ungated_interval_restarts_after_sensor_loss(bench_with, log, lost):
+def test_ungated_interval_restarts_after_sensor_loss(bench_of, log, lost):
     said = iter([lost] * 300)
-    bench = bench_with(lambda time_s: next(said, 1.0) if "play 5 V" in log else 1.0)
+    bench = bench_of(lambda time_s: next(said, 1.0) if "play 5 V" in log else 1.0)
     played = bench.answer(Play("tone", 5.0, 1.0))
     assert log[:3] == ["output.open", "play 5 V", "output.stop"]
     assert log.count("play 5 V") == 1 + bench._supervisor._n_pauses > 1  # a busy machine may pause more than once
@@ -305,12 +211,7 @@ def test_ungated_interval_restarts_after_sensor_loss(bench_with, log, lost):
     assert played.digest == TONE.at(5.0).digest()
 
 
-def test_ungated_interval_plays_once_with_working_sensor(bench_with, log):
-    bench_with(lambda time_s: 1.0).answer(Play("tone", 5.0, 0.3))
-    assert log == ["output.open", "play 5 V"]
-
-
-def test_adjustment_restarts_after_sensor_loss(bench_with, log, participant):
+def test_adjustment_restarts_after_sensor_loss(bench_of, log, participant):
     said, again = iter([None] * 300), threading.Event()
 
     def force_n(time_s):
@@ -320,17 +221,16 @@ def test_adjustment_restarts_after_sensor_loss(bench_with, log, participant):
             again.set()
         return next(said, 1.0)
 
-    bench = bench_with(force_n)
+    bench = bench_of(force_n)
     participant.answers(again, 0.5, "Return")
     assert bench.answer(Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0)).level == 5.0
     assert bench._supervisor._n_pauses == 1
     assert log[-1] == "output.stop"
 
 
-def test_next_touch_shows_why_last_was_invalid(bench_with, watched):
-    """The reason is not shown after another page or after a valid touch."""
+def test_next_touch_shows_why_last_was_invalid(bench_of, watched):
     told = "Too light: press more, until the bar stays between the lines"
-    bench = bench_with(lambda time_s: 1.0)
+    bench = bench_of(lambda time_s: 1.0)
 
     def of_next(*before, **row):
         for request in (Record(replace(TRIAL, **row)), *before):

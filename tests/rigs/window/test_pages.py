@@ -132,14 +132,7 @@ def test_touch_is_valid_without_sensor(bench, log, request_):
 
 
 PRESS = Press("tone", 5.0, 30.0, 1.0, 0.2, hold_s=0.05, timeout_s=5.0)
-REQUESTS = [
-    Show("end"),
-    FELT,
-    Wait(30.0),
-    Play("tone", 5.0, 30.0),
-    PRESS,
-    Adjust("tone", 5, 1, 0, 9),
-]
+REQUESTS = [Show("end"), FELT, Wait(30.0), Play("tone", 5.0, 30.0), PRESS, Adjust("tone", 5, 1, 0, 9)]
 
 
 @pytest.mark.parametrize("request_", REQUESTS, ids=lambda request: type(request).__name__)
@@ -166,11 +159,7 @@ def test_stopped_page_stays_until_next_key(bench, watched, participant, log, mon
 @pytest.mark.parametrize(
     ("request_", "error", "message"),
     [
-        (
-            Play("tone", 51.0, 0.2),
-            LimitExceeded,
-            r"found a peak of 51 V, the limit is 50 V; .*nothing was played",
-        ),
+        (Play("tone", 51.0, 0.2), LimitExceeded, r"found a peak of 51 V, the limit is 50 V; .*nothing was played"),
         (Play("tome", 5.0, 0.2), InvalidParameter, "found 'tome', expected one of tone; did you mean 'tone'"),
         (Play("tone", 5.0, 0.05), InvalidParameter, "a signal of 0.1 s, expected at most the 0.05 s"),
         (Show("block", {}), InvalidParameter, "message 'block': found a placeholder that cannot be filled"),

@@ -35,7 +35,6 @@ TOLD = 'kind = "yes_no"\nprompt = { en = "Was there a buzz?", fr = "Y avait-il u
 
 @pytest.fixture
 def pages(monkeypatch):
-    """A queue of the texts of each page, filled as the pages are shown."""
     shown, present = queue.Queue(), Window.present
 
     def noted(window, page):

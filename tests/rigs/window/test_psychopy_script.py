@@ -1,16 +1,12 @@
 """The documented PsychoPy script, run in a real window."""
 
 import json
-import os
-import subprocess
-import sys
 
 import pytest
 from command_line import call
 from page_blocks import texts_of
-from script_bench import hand_and_bench
+from script_bench import run_script
 from tables import rows_of
-from window_sitting import sit
 
 from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.analysis.reading.trials import read_trials, used_rows
@@ -19,24 +15,15 @@ from tactometry.experiments.psychopy_plugin.script import PsychoPyStudy
 from tactometry.questionnaire import load
 
 N_TRIALS = 4
-OURS = 9
-"""Number of lines that the how-to page adds to the script."""
 
 
 @pytest.fixture(scope="module")
 def sitting(display, tmp_path_factory):
     """Result of the documented script with an emulated hand that presses 1 N."""
     folder = tmp_path_factory.mktemp("script")
-    hand = hand_and_bench(folder)
     [script] = texts_of("how_to/psychopy.md", "python")
     (folder / "script.py").write_text(script, encoding="utf-8")
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    process = subprocess.Popen([sys.executable, "script.py"], cwd=folder, env=os.environ, **pipes)
-    try:
-        status, output, errors = sit(process, display, ["y", "4", "Return"] * 1000)
-    finally:
-        hand.close()
-    return folder, status, output, errors
+    return folder, *run_script(folder, display, "script.py", ["y", "4", "Return"] * 1000)
 
 
 def test_psychopy_script_records_trials_and_questionnaire(sitting):
@@ -53,12 +40,6 @@ def test_psychopy_script_records_trials_and_questionnaire(sitting):
     assert len(list((folder / "played").glob("*.npz"))) == N_TRIALS + 1
 
 
-def test_documented_script_has_nine_numbered_lines():
-    [script] = texts_of("how_to/psychopy.md", "python")
-    numbered = [line for line in script.splitlines() if "  # " in line]
-    assert [int(line.split("  # ")[1].split(":")[0]) for line in numbered] == list(range(1, OURS + 1))
-
-
 def test_script_data_load_with_documented_column_map(sitting):
     folder, *_ = sitting
     trials = read_trials(folder / "P01.csv", within=[], column_map=read_column_map(folder / "columns.toml"))
@@ -70,7 +51,6 @@ def test_script_data_load_with_documented_column_map(sitting):
 
 @pytest.fixture
 def study(screen):
-    """A study in a window of this process, without an output."""
     with PsychoPyStudy(screen._window, "tutorial") as made:
         yield made
 

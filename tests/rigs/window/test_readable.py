@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import screens
 
-from tactometry.rigs.pages import entry, form, layout, page
+from tactometry.rigs.pages import form, layout, page
 from tactometry.rigs.pages.page import Click, KeyDown, Page, Text
 from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.request import Fill, Question
@@ -58,7 +58,6 @@ def linear(colour):
 
 
 def contrast(one, other, cones):
-    """Return the WCAG 2 contrast ratio of two colours, from 1 to 21."""
     low, high = sorted(float(LUMINANCE @ (WITHOUT[cones] @ linear(colour))) for colour in (one, other))
     return (high + 0.05) / (low + 0.05)
 
@@ -94,28 +93,6 @@ def test_states_differ_by_shape_and_colour():
     assert shapes(blank) != shapes(marked)
 
 
-def by_mouse(shown):
-    clicked = [button for button in shown.buttons if button.width]
-    return {shown.answer(Click(button.x, button.y, 0.0)) for button in clicked}
-
-
-BOTH_WAYS = {
-    "message": layout.message_page("Heading\n\nbody", "hint", 1.6),
-    "question": layout.question_page("which?", (1, 2, 3, 4), ("1", "2", "3", "4"), "hint", 1.6),
-    "number": entry.entry_page("how strong?", "12", "hint", 1.6, ready=True),
-    "adjustment": layout.adjust_page("set", "hint", 1.6),
-    "picture": screens.picture_pages(texts_in("en", {}), 1.6)["how_slide"],
-}
-
-
-@pytest.mark.parametrize("name", BOTH_WAYS)
-def test_every_answer_works_by_keys_or_mouse(name):
-    shown = BOTH_WAYS[name]
-    answers = {button.answer for button in shown.buttons}
-    assert answers == by_mouse(shown)
-    assert answers == {button.answer for button in shown.buttons if button.keys}
-
-
 @pytest.mark.parametrize("place", range(7))
 def test_every_scale_position_works_by_arrows_or_mouse(place):
     """A touch screen has no keys; its touches are mouse presses."""
@@ -137,11 +114,3 @@ def at(shown, answer):
     """Return a point where a mouse press gives this answer."""
     places = ((x / 100, y / 100) for x in range(-80, 81) for y in range(-50, 51))
     return next(place for place in places if shown.answer(Click(*place, 0.0)) == answer)
-
-
-def test_form_can_be_completed_by_mouse():
-    asked = seven_steps(("", "a", "b"), ("", "c", "d"))
-    marks = asked.begun()
-    for answer in ((0, 3), (1, 6), layout.CONFIRM):
-        marks, left = after_click(asked, marks, answer)
-    assert (marks.places, left) == ((3, 6), True)

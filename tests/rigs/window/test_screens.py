@@ -3,11 +3,10 @@
 import os
 import shutil
 import subprocess
-import sys
 from importlib.util import find_spec
 
 import pytest
-from patience import LONGEST_PROGRAM_S
+from window_sitting import python
 
 from tactometry.errors import InvalidParameter
 from tactometry.rigs.keyboard import ConnectedScreen, check_screen
@@ -56,34 +55,25 @@ window.close()
 
 @pytest.fixture(scope="module")
 def two_screens(tmp_path_factory):
-    """Environment variables for a server with two monitors."""
     if find_spec("psychopy") is None or shutil.which("Xvfb") is None:
         pytest.skip("no psychopy or no Xvfb")
     read_end, write_end = os.pipe()
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "1440x600x24", "-noreset", "-nolisten", "tcp"],
-        pass_fds=[write_end],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+    command = ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "1440x600x24", "-noreset", "-nolisten", "tcp"]
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    server = subprocess.Popen(command, pass_fds=[write_end], **silent)
     os.close(write_end)
     with os.fdopen(read_end) as answer:
         number = answer.readline().strip()
-    subprocess.run([sys.executable, "-c", HALVES, f":{number}"], check=True)
+    python("-c", HALVES, f":{number}", check=True)
     home = tmp_path_factory.mktemp("home")
     yield {**os.environ, "DISPLAY": f":{number}", "HOME": str(home)}
     server.terminate()
     server.wait()
 
 
-def program(words, environment):
-    command, pipes = [sys.executable, *map(str, words)], {"capture_output": True, "text": True}
-    return subprocess.run(command, check=False, env=environment, timeout=LONGEST_PROGRAM_S, **pipes)
-
-
 @pytest.mark.parametrize("number", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_pages_appear_only_on_the_selected_screen(two_screens, number):
-    done = program(["-c", LOOK, number], two_screens)
+    done = python("-c", LOOK, number, env=two_screens)
     assert done.stdout.splitlines() == [
         f"0 {number == 0}",
         f"640 {number == 1}",
@@ -94,8 +84,8 @@ def test_pages_appear_only_on_the_selected_screen(two_screens, number):
 def test_unconnected_screen_is_refused_before_recording(two_screens, tmp_path):
     bench = tmp_path / "bench.toml"
     bench.write_text(BENCH.format(2))
-    words = ["-m", "tactometry", "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d"]
-    done = program(words, two_screens)
+    words = ("run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
+    done = python("-m", "tactometry", *words, env=two_screens)
     assert done.returncode == 2
     assert done.stderr == (
         "tactometry: [screen] screen: found 2, expected a connected screen (screen 0: 640 x 600 px, "
@@ -108,7 +98,7 @@ def test_unconnected_screen_is_refused_before_recording(two_screens, tmp_path):
 def test_check_lists_screens_and_marks_participant_screen(two_screens, tmp_path):
     bench = tmp_path / "bench.toml"
     bench.write_text(BENCH.format(1))
-    done = program(["-m", "tactometry", "check", "--bench", bench], two_screens)
+    done = python("-m", "tactometry", "check", "--bench", bench, env=two_screens)
     assert "screen 0: 640 x 600 px; screen 1: 800 x 600 px; the participant uses screen 1" in done.stdout, done.stderr
 
 

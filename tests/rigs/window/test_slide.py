@@ -9,9 +9,7 @@ from sampled import Sampled
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force, streamed_position
 from tactometry.gates import triangle
-from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M, Bench
-from tactometry.rigs.device_rig import Equipment
-from tactometry.rigs.texts import texts_in
+from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M
 from tactometry.session.request import Slide
 from tactometry.stimuli.electrovibration import Sine
 
@@ -21,18 +19,16 @@ PATH_M = 0.02
 
 
 @pytest.fixture
-def slid(watched, output, log):
+def slid(bench_of):
     """A function that slides a finger of constant force along positions."""
 
     def slide(place_m, request=SLIDE):
         force, place = (Reader(Sampled(value, rate_hz=500.0)) for value in (lambda time_s: 1.0, place_m))
         sensor = streamed_force(force, 0, ForceCalibration(newtons_per_count=1.0))
-        parts = {"sensor": sensor, "release": False, "position": streamed_position(place, (0,), 1.0)}
-        rig = Bench(watched, Equipment(output, {"tone": TONE}, **parts), texts_in("en", {}))
-        try:
-            return rig.answer(request)
-        finally:
-            rig.close()
+        rig = bench_of(sensor=sensor, position=streamed_position(place, (0,), 1.0), tone=TONE)
+        touched = rig.answer(request)
+        rig.close()
+        return touched
 
     return slide
 
@@ -45,19 +41,19 @@ def test_slide_following_the_cursor_is_valid(slid, log):
     assert "play 5 V" in log
 
 
-def test_resting_finger_receives_no_stimulus(slid, log):
-    touched = slid(lambda time_s: 0.01)
-    assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
+NEVER_GATED = {
+    "resting": (lambda time_s: 0.01, "timeout"),
+    "double speed": (lambda time_s: float(triangle(0.1 * time_s, PATH_M)), "timeout"),
+    "no position": (lambda time_s: None, "sensor_lost"),
+}
+
+
+@pytest.mark.parametrize(("place_m", "reason"), NEVER_GATED.values(), ids=NEVER_GATED)
+def test_slide_off_the_cursor_receives_no_stimulus(slid, log, place_m, reason):
+    touched = slid(place_m)
+    assert (touched.valid, touched.invalid_reason) == (False, reason)
+    assert (touched.digest, touched.level_delivered) == (None, None)
     assert "play 5 V" not in log
-
-
-def test_stimulus_stops_when_finger_stops(slid, log):
-    begin_s = time.perf_counter()
-    touched = slid(lambda time_s: 0.05 * min(time_s, 0.5))
-    assert (touched.valid, touched.invalid_reason) == (False, "stopped")
-    assert touched.digest is not None
-    assert log.index("play 5 V") < log.index("output.stop")
-    assert time.perf_counter() - begin_s < 10
 
 
 def stop_and_go(log):
@@ -88,12 +84,8 @@ def test_stop_and_go_slide_is_too_slow(slid, log):
     assert log == ["output.open", "play 5 V", "output.stop", "output.stop", "output.close", "screen.close"]
 
 
-def test_slide_at_double_speed_plays_nothing(slid, log):
-    assert not slid(lambda time_s: float(triangle(0.1 * time_s, PATH_M))).valid
-    assert "play 5 V" not in log
-
-
-def test_accelerating_slide_is_too_fast(slid, log):
+def accelerating(log):
+    """Return positions of a finger that moves at three times the speed once the stimulus plays."""
     begun_s = []
 
     def place_m(time_s):
@@ -101,13 +93,22 @@ def test_accelerating_slide_is_too_fast(slid, log):
             begun_s.append(time_s)
         return 0.05 * time_s + (0.1 * (time_s - begun_s[0]) if begun_s else 0.0)
 
-    touched = slid(place_m)
-    assert (touched.valid, touched.invalid_reason) == (False, "too_fast")
+    return place_m
 
 
-def test_position_loss_during_slide_is_sensor_lost(slid, log):
-    touched = slid(lambda time_s: None if "play 5 V" in log else 0.05 * time_s)
-    assert (touched.valid, touched.invalid_reason) == (False, "sensor_lost")
+CUT = {
+    "stopped": lambda log: lambda time_s: 0.05 * min(time_s, 0.5),
+    "too_fast": accelerating,
+    "sensor_lost": lambda log: lambda time_s: None if "play 5 V" in log else 0.05 * time_s,
+}
+
+
+@pytest.mark.parametrize("reason", CUT)
+def test_slide_that_leaves_the_cursor_is_cut(slid, log, reason):
+    touched = slid(CUT[reason](log))
+    assert (touched.valid, touched.invalid_reason) == (False, reason)
+    assert touched.digest is not None
+    assert log.index("play 5 V") < log.index("output.stop")
 
 
 def test_speed_is_measured_but_ungated_without_tolerance(slid):
@@ -130,7 +131,6 @@ def test_page_shows_finger_and_moving_dot(slid, watched):
 
 
 def test_session_pauses_until_position_sensor_returns(slid):
-    """The time limit of the touch does not run during the outage."""
     begin_s = time.perf_counter()
 
     def place_m(time_s):
@@ -139,9 +139,3 @@ def test_session_pauses_until_position_sensor_returns(slid):
         return float(triangle(0.05 * time_s, PATH_M))
 
     assert slid(place_m).valid
-
-
-def test_missing_position_is_sensor_lost(slid, log):
-    touched = slid(lambda time_s: None)
-    assert (touched.valid, touched.invalid_reason, touched.digest) == (False, "sensor_lost", None)
-    assert "play 5 V" not in log

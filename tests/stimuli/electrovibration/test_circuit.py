@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from corneum_closed_form import (
+    corneum_voltage_v,
     rise_peak_v,
     sine_mean_force_n,
     square_edge_v,
@@ -12,7 +13,6 @@ from corneum_closed_form import (
     step_voltage_v,
 )
 from hypothesis import given, strategies as st
-from sampled_corneum import corneum_voltage_v
 from scipy.integrate import solve_ivp
 
 from tactometry.stimuli.electrovibration import PulseTrain, Sine, Skin, Square, Step, Trapezoid, electrostatic_force_n

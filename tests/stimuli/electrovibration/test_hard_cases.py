@@ -5,9 +5,8 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 import pytest
-from corneum_closed_form import rise_peak_v, step_voltage_v
+from corneum_closed_form import corneum_voltage_v, rise_peak_v, step_voltage_v
 from hard_cases import hard_case
-from sampled_corneum import corneum_voltage_v
 
 from tactometry.stimuli.electrovibration import (
     CoulombFriction,

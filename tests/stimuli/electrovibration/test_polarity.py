@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from corneum_closed_form import corneum_voltage_v
 from felt_models import felt_by
 from hypothesis import given, strategies as st
-from sampled_corneum import corneum_voltage_v
 
 from tactometry.contact import Contact
 from tactometry.experiments.study.felt_scene import FeltScene

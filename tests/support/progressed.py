@@ -1,9 +1,0 @@
-"""State of a session after given rows."""
-
-from tactometry.session.answer import Done
-from tactometry.session.request import Record
-
-
-def with_row(progress, row, aborted=None):
-    """Return the progress after a row, one second later."""
-    return progress.after(Record(row, aborted), Done(progress.at_s + 1.0))
