@@ -169,10 +169,7 @@ class Cells:
 def count_cells(selected: SelectedTrials) -> Cells:
     """Count answers by participant and condition; score questionnaires.
 
-    Raises
-    ------
-    InvalidFile
-        If there is nothing to analyse.
+    Raises `InvalidFile` if there is nothing to analyse.
     """
     trials = selected.trials
     all_used = used_rows(selected.everything)

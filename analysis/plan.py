@@ -59,10 +59,7 @@ class AnalysisPlan:
 def read_plan(path: str | Path) -> AnalysisPlan:
     """Read a plan from TOML tables `[exclusion]` and `[equivalence]`.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, or contains unknown keys.
+    Raises `InvalidFile` if the file cannot be read, or contains unknown keys.
     """
     return read_toml(AnalysisPlan, Path(path), "an analysis plan")
 

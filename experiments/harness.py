@@ -177,10 +177,7 @@ def _written(path: Path, content: bytes) -> Path:
 def arrow(where: str) -> Any:
     """Return pyarrow with its `parquet` module. An error begins with `where`.
 
-    Raises
-    ------
-    DeviceFailed
-        If pyarrow, an optional extra of 170 MB, is not installed.
+    Raises `DeviceFailed` if pyarrow, an optional extra of 170 MB, is not installed.
     """
     with library_needed(
         f"{where}: found no pyarrow ({{error}}), expected it for Parquet files; pip install 'tactometry[power]'"

@@ -284,10 +284,7 @@ def _log_student(x: Array, mode: Array, covariance: Array) -> Array:
 def integrate(laplace: Laplace, hyper: Array, n_points: int = N_POINTS) -> Integrated:
     """Integrate over the hyperparameters; return points and weights.
 
-    Raises
-    ------
-    LinAlgError
-        With fewer than `FEWEST_EFFECTIVE` effective points.
+    Raises `LinAlgError` with fewer than `FEWEST_EFFECTIVE` effective points.
     """
     proposals, sizes = [find_mode(laplace, hyper)], [max(1, n_points // 2)]
     at = laplace(_student(sizes[0], *proposals[0]))

@@ -210,10 +210,7 @@ def model_design(
 
     Factors have treatment codes.
 
-    Raises
-    ------
-    InvalidParameter
-        As `mixed_model`. Also if a base is not a level, or columns are linearly dependent.
+    Raises `InvalidParameter` as `mixed_model`. Also if a base is not a level, or columns are linearly dependent.
     """
     data = _checked_rows(table, dependent, factors, covariates, subject)
     single = {name: _codes(data, name, base.get(name)) for name in factors}

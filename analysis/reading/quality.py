@@ -127,6 +127,9 @@ def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
 class Exclusion:
     """Rules that exclude trials and participants; None disables a rule.
 
+    Raises `InvalidParameter` if a bound is not a number of at least 0 (shares: at most 1), or the lowest latency is not
+    below the highest.
+
     Parameters
     ----------
     force_in_band_share_min : float, optional
@@ -144,11 +147,6 @@ class Exclusion:
         Excludes participants with a larger share of invalid trials.
     practice : bool
         Excludes participants who did not meet the practice criterion.
-
-    Raises
-    ------
-    InvalidParameter
-        If a bound is not a number of at least 0 (shares: at most 1), or the lowest latency is not below the highest.
     """
 
     force_in_band_share_min: float | None = None

@@ -92,12 +92,8 @@ def read_trials(
     between ``trial`` and ``procedure``, or the columns in `within` (may be empty). Levels are converted to
     `level_scale` (`on_scale`), or else to the scale of the map.
 
-    Raises
-    ------
-    InvalidFile
-        If there is nothing to read, or a table is damaged. The error names the file, row and column.
-    InvalidParameter
-        If `within` names a missing column, or the levels cannot be converted to the scale.
+    Raises `InvalidFile` if there is nothing to read, or a table is damaged. The error names the file, row and column.
+    Raises `InvalidParameter` if `within` names a missing column, or the levels cannot be converted to the scale.
     """
     path, given, notes = Path(path), column_map or ColumnMap(), list[str]()
     named = [within] if within and isinstance(within, str) else within

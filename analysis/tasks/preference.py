@@ -134,10 +134,7 @@ def _fit_worths(
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Return worths by condition, followed by the effect of order.
 
-    Raises
-    ------
-    InvalidFile
-        If the table does not state which items were compared.
+    Raises `InvalidFile` if the table does not state which items were compared.
     """
     _check_pairs(rows)
     varied = [name for name in factors if rows[name].nunique() > 1]
@@ -166,10 +163,7 @@ def _check_pairs(rows: pd.DataFrame) -> None:
 def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Return the share of pairs in which each item was preferred.
 
-    Raises
-    ------
-    InvalidFile
-        As `preference_table`.
+    Raises `InvalidFile` as `preference_table`.
     """
     worths = preference_table(rows, factors)
     conditions = list(worths.columns[: worths.columns.get_loc("item")])

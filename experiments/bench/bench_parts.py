@@ -62,12 +62,7 @@ class DisplayTable:
     def window(self) -> "Window":
         """Open the participant's window.
 
-        Raises
-        ------
-        InvalidParameter
-            If the screen is not connected.
-        DeviceFailed
-            If the window does not open.
+        Raises `InvalidParameter` if the screen is not connected. Raises `DeviceFailed` if the window does not open.
         """
         from tactometry.rigs.window import Window
 

@@ -261,10 +261,7 @@ def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:
 def described(root: Path, parts: Sequence[TracePart]) -> TraceDescription:
     """Read the description of traces, and check it against their samples.
 
-    Raises
-    ------
-    InvalidFile
-        If the description is missing, damaged, or does not fit the samples.
+    Raises `InvalidFile` if the description is missing, damaged, or does not fit the samples.
     """
     beside = root / sidecar_of(Path(parts[0].file))
     said = read_sidecar(beside)

@@ -114,10 +114,7 @@ def _between_0_and_1(name: str, value: float) -> None:
 def participants_of(text: str) -> tuple[int, ...]:
     """Parse numbers of participants: a list, or a range with optional step.
 
-    Raises
-    ------
-    InvalidParameter
-        If the text is invalid, or a range is descending.
+    Raises `InvalidParameter` if the text is invalid, or a range is descending.
 
     >>> participants_of("6..24"), participants_of("6..24:9"), participants_of("12, 8")
     ((6, 9, 12, 15, 18, 21, 24), (6, 15, 24), (8, 12))

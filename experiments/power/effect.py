@@ -149,10 +149,7 @@ def _quantity(words: str, text: str) -> tuple[float, str]:
 def check_effect(effect: StatedEffect, factors: Mapping[str, Levels]) -> None:
     """Reject an effect that a study with these factors cannot have.
 
-    Raises
-    ------
-    InvalidParameter
-        If the factor or level is unknown, the factor has one level, or nothing changes.
+    Raises `InvalidParameter` if the factor or level is unknown, the factor has one level, or nothing changes.
     """
     if effect.factor not in factors:
         known = ", ".join(factors) or "it has none"

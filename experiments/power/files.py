@@ -53,12 +53,8 @@ class Folder:
     def prepared(cls, root: Path, design: PowerDesign, *, resume: bool, keeps_data: bool = False) -> "Folder":
         """Prepare a new folder, or continue in one with `resume`.
 
-        Raises
-        ------
-        InvalidFile
-            If the folder contains another power analysis, or contains this one and `resume` is False.
-        DeviceFailed
-            If pyarrow (extra: power) is not installed.
+        Raises `InvalidFile` if the folder contains another power analysis, or contains this one and `resume` is False.
+        Raises `DeviceFailed` if pyarrow (extra: power) is not installed.
         """
         arrow(PLACE)
         prepare(root, asked(design), "power analysis", resume=resume)
@@ -77,10 +73,7 @@ class Folder:
     def kept(self, batch: Batch) -> tuple[Row, ...] | None:
         """Return the rows of a stored batch, or None.
 
-        Raises
-        ------
-        InvalidFile
-            If the file of the batch is damaged.
+        Raises `InvalidFile` if the file of the batch is damaged.
         """
         path = self._path(batch)
         lacks_data = self.keeps_data and not all(file.exists() for file in paths_of(self.root, batch))

@@ -98,10 +98,8 @@ def slopes_of(experiment: Experiment, factor: str, growths: Mapping[str, float])
 def check_maps(study: Study, factor: str) -> None:
     """Reject a study whose levels cannot be mapped for the effect's factor.
 
-    Raises
-    ------
-    InvalidParameter
-        If the factor is interleaved, another factor changes the procedure, or the levels are spaced by ratios.
+    Raises `InvalidParameter` if the factor is interleaved, another factor changes the procedure, or the levels are
+    spaced by ratios.
     """
     apart = "a factor that is not interleaved, as each of its levels needs a separate procedure"
     expect(factor not in study.plan.interleave, WHERE, f"the factor {factor!r}, which is interleaved", apart)

@@ -75,10 +75,7 @@ def plan_of_study(study: Study) -> AnalysisPlan:
 def check_design(design: PowerDesign) -> str:
     """Check that a design can be simulated, and return its dependent variable.
 
-    Raises
-    ------
-    InvalidParameter
-        If the study cannot have the effect or the trials, or its task has no power analysis.
+    Raises `InvalidParameter` if the study cannot have the effect or the trials, or its task has no power analysis.
     """
     study = parse(design.study_toml, design.where)
     check_effect(design.effect, factors_of(study))
@@ -175,10 +172,7 @@ def with_trials(study: Study, n_trials: int | None) -> Study:
 
     For an adaptive rule, this is the largest number. The rule may end earlier.
 
-    Raises
-    ------
-    InvalidParameter
-        If the procedure has no number of trials.
+    Raises `InvalidParameter` if the procedure has no number of trials.
     """
     if n_trials is None:
         return study

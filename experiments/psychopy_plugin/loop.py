@@ -84,10 +84,7 @@ class Loop:
 
         `intensity` is the delivered level, if it differs.
 
-        Raises
-        ------
-        InvalidParameter
-            If the procedure does not accept this answer.
+        Raises `InvalidParameter` if the procedure does not accept this answer.
         """
         self._answer(result, intensity)
         self.addOtherData("response", int(result))

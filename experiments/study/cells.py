@@ -73,10 +73,7 @@ class Wiring:
     def cell(self, factors: Factors) -> WiredCell:
         """Wire a cell of the design.
 
-        Raises
-        ------
-        InvalidParameter
-            If a table has an unknown key or invalid value, or a factor changes nothing.
+        Raises `InvalidParameter` if a table has an unknown key or invalid value, or a factor changes nothing.
         """
         of = tables(self.study, factors)
         found = Gathered()

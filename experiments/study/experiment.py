@@ -254,6 +254,9 @@ def wire(
 
     Custom code is imported from the folder `code_from`, and rejected without it.
 
+    Raises `InvalidParameter` if a table has an unknown key or invalid value, or a level exceeds a limit. The message
+    starts with `where`.
+
     Parameters
     ----------
     simulated : bool
@@ -262,11 +265,6 @@ def wire(
         True if stimuli may be played. If False, data are only read, without stimulus files or custom code.
     begun : bool
         True if a session has begun. The procedure is then accepted even with an inconsistent guess rate.
-
-    Raises
-    ------
-    InvalidParameter
-        If a table has an unknown key or invalid value, or a level exceeds a limit. The message starts with `where`.
     """
     with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study, where, code_from, simulated=simulated, plays=plays)

@@ -157,11 +157,8 @@ class SceneTable:
 def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Touch) -> FeltScene:
     """Build the scene of a table on a surface, under a stimulus and touch.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key or value is invalid, no scene supports the stimulus, or the sensation cannot be computed with this
-        accuracy for this touch. The message starts with the key.
+    Raises `InvalidParameter` if a key or value is invalid, no scene supports the stimulus, or the sensation cannot be
+    computed with this accuracy for this touch. The message starts with the key.
     """
     expected = "another stimulus kind; remove [scene] and use [sensation]"
     expect(surface in PLAYED, "scene", "a table with a stimulus that no scene supports", expected)

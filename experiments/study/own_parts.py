@@ -95,17 +95,14 @@ def stimulus_class(
 ) -> Any:
     """Return the class of `[stimulus]`, or a placeholder if `plays` is False.
 
+    Raises `InvalidParameter` if the class does not exist, lacks a required member, or its code is not allowed.
+
     Parameters
     ----------
     factors : collection of str
         Factors that are keys of the stimulus.
     of_touch : collection of str
         Keys of the touch.
-
-    Raises
-    ------
-    InvalidParameter
-        If the class does not exist, lacks a required member, or its code is not allowed.
     """
     target, where = table["kind"], "stimulus.kind"
     for name in STATED:
@@ -127,10 +124,7 @@ def stimulus_class(
 def sensation_class(table: Mapping[str, Any], code_from: Path | None) -> Any:
     """Return the class of `[sensation]`, or a placeholder without `code_from`.
 
-    Raises
-    ------
-    InvalidParameter
-        If the class does not exist or has no `sensation_db`.
+    Raises `InvalidParameter` if the class does not exist or has no `sensation_db`.
     """
     target, where = table["kind"], "sensation.kind"
     if code_from is None:

@@ -101,11 +101,8 @@ def _check_tracks(tracks: TracksTable, name: str, rule: Rule[Any]) -> None:
 def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> None:
     """Reject a rule whose guess rate contradicts that of the task.
 
-    Raises
-    ------
-    InvalidParameter
-        If no rate is within `GUESS_RATE_TOLERANCE` of chance in a forced choice, or all rates exceed
-        `HIGHEST_FALSE_ALARMS` in a task without a chance level.
+    Raises `InvalidParameter` if no rate is within `GUESS_RATE_TOLERANCE` of chance in a forced choice, or all rates
+    exceed `HIGHEST_FALSE_ALARMS` in a task without a chance level.
     """
     kind = kind_of(procedure, "procedure", PROCEDURES)
     fields = resolve(kind.table).__dataclass_fields__

@@ -51,10 +51,7 @@ class Chunk:
 class Validation:
     """Validation to run: checks, rounds (chunks per setting) and seed.
 
-    Raises
-    ------
-    InvalidParameter
-        For an unknown check, or fewer than one round.
+    Raises `InvalidParameter` for an unknown check, or fewer than one round.
     """
 
     seed: int
@@ -98,17 +95,14 @@ def validate(
 ) -> Validated:
     """Simulate all chunks into a folder, and return the tables.
 
+    Raises `InvalidFile` if the folder contains another run, or contains a run and `resume` is False.
+
     Parameters
     ----------
     resume : bool
         Continue an interrupted run, or one with fewer rounds.
     tell : callable
         Called with the iterator of completed files and their number.
-
-    Raises
-    ------
-    InvalidFile
-        If the folder contains another run, or contains a run and `resume` is False.
     """
     prepare(root, validation.asked, "validation", resume=resume)
     make_folder(root / OUTCOMES)

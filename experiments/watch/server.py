@@ -119,10 +119,7 @@ async def news(scenery: Scenery) -> AsyncIterator[bytes]:
 def application(scenery: Scenery, port: int, token: str) -> "Starlette":
     """Return the application, served at a port under the token's path.
 
-    Raises
-    ------
-    DeviceFailed
-        If the library of the server is not installed.
+    Raises `DeviceFailed` if the library of the server is not installed.
     """
     with library_needed(NO_LIBRARY):
         from starlette.applications import Starlette
@@ -153,17 +150,14 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
 
     `tell` receives the address, which contains the token.
 
+    Raises `DeviceFailed` if the port is in use, or the library of the server is not installed.
+
     Parameters
     ----------
     port : int
         Port to listen at. 0 selects any free port.
     until : binary file, optional
         Stream whose end stops the server. A thread reads it.
-
-    Raises
-    ------
-    DeviceFailed
-        If the port is in use, or the library of the server is not installed.
     """
     with library_needed(NO_LIBRARY):
         import uvicorn
