@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from tactometry.analysis.reading.trials import Trials
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import make_folder, read_file, write_atomically
 from tactometry.files.json_file import prepare
@@ -124,12 +123,8 @@ def simulated_and_kept(root: Path, design: PowerDesign, batch: Batch, spread: Sp
 
 def _with_content(design: PowerDesign, case: Case, number: int) -> tuple[tuple[Row, ...], bytes]:
     rows, trials = studied(design, case, number)
-    return rows, _content(trials)
-
-
-def _content(trials: Trials) -> bytes:
     pa = arrow(PLACE)
     table = pa.Table.from_pandas(trials.rows.drop(columns=OF_FILES), preserve_index=False)
     content = io.BytesIO()
     pa.parquet.write_table(table.replace_schema_metadata({**(table.schema.metadata or {}), **MARK}), content)
-    return content.getvalue()
+    return rows, content.getvalue()

@@ -1,6 +1,6 @@
 """Reference tables of participants, questionnaires and column maps."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 from tactometry.observers.changes import CHANGES
@@ -109,7 +109,7 @@ def form_tables() -> Iterator[KeyTable]:
     """Yield the reference tables of inquiries and their forms."""
     inquiry, prompt = "tactometry.experiments.study.study:InquiryTable", {"prompt": "The sheet was ..."}
     yield KeyTable("inquiries", "[inquiries.NAME]", inquiry, example={"form": "sus"}, samples=prompt)
-    read, named, forms = "tactometry.questionnaire", _named("own"), "forms.NAME"
+    read, named, forms = "tactometry.questionnaire", lambda: {"name": "own"}, "forms.NAME"
     stem, ends = {"stem": {"en": "The sheet was ..."}}, {"ends": _WITH_ENDS}
     yield KeyTable(
         "forms", f"[{forms}]", f"{read}:Questionnaire", example=_FORM, samples=stem, instead=ends, given=named
@@ -127,10 +127,6 @@ def form_tables() -> Iterator[KeyTable]:
     yield KeyTable("forms.choices.items", header, f"{read}:ChoiceItem", example=question, instead=bounds)
     header = f"[[{forms}.items.options]]"
     yield KeyTable("forms.choices.items.options", header, f"{read}:Option", example=_OPTIONS[0])
-
-
-def _named(name: str) -> Callable[[], Values]:
-    return lambda: {"name": name}
 
 
 _SAMPLES: Final[Values] = {

@@ -192,7 +192,10 @@ class Study:
                 raise no_such(f"counterbalance[{n}]", name, "each factor at most once", self.factors)
         _check_plan(self)
         if self.analysis:
-            _check_analysis(self)
+            from tactometry.analysis.plan import AnalysisPlan
+
+            with rewording(lambda words: words if words.startswith("analysis") else f"analysis.{words}"):
+                build(AnalysisPlan, self.analysis, "analysis").check(list(self.factors))
 
     @property
     def cautions(self) -> tuple[str, ...]:
@@ -211,13 +214,6 @@ class Study:
     def words_in(self, language: str) -> dict[str, str]:
         """Return the study's texts in a language, by its two-letter code."""
         return self.texts | self.translations.get(language, {})
-
-
-def _check_analysis(study: Study) -> None:
-    from tactometry.analysis.plan import AnalysisPlan
-
-    with rewording(lambda words: words if words.startswith("analysis") else f"analysis.{words}"):
-        build(AnalysisPlan, study.analysis, "analysis").check(list(study.factors))
 
 
 def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:

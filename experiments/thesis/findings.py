@@ -148,20 +148,15 @@ def pleasant_patterns() -> Iterator[Number]:
         compared = ("last: pleases least", is_order and order[-1] == name) if name == LEAST else ()
         yield Number("sensation level", pattern_name(name), level_db, "dB", "calibrated")
         yield Number("over the single focus", pattern_name(name), level_db - felt_db[LEAST], "dB", "derived")
-        yield from _physics_of(name, felt_db[LEAST])
+        pattern, condition = PATTERNS[name], pattern_name(name)  # without a model of answers
+        yield Number("energy of the foci", condition, 10 * math.log10(np.sum(pattern.weights**2)), "dB", "derived")
+        felt_s = pattern.times_s[np.abs(pattern.weights) > 10 ** (-felt_db[LEAST] / 20)]
+        yield Number("foci above threshold", condition, len(felt_s), "", "calibrated")
+        onsets = 1 + np.count_nonzero(np.diff(felt_s) > FUSED_S)
+        yield Number("onsets", condition, float(onsets), "", "calibrated")
         yield Number("pleasantness", pattern_name(name), liked[name], "of 1", "assumed")
         yield Number("place", pattern_name(name), order.index(name) + 1.0, "", "assumed", *compared)
     yield from _by_factor(liked, is_order=is_order)
-
-
-def _physics_of(name: str, largest_db: float) -> Iterator[Number]:
-    """Yield what a pattern is without a model of answers; its largest focus has `largest_db`."""
-    pattern, condition = PATTERNS[name], pattern_name(name)
-    yield Number("energy of the foci", condition, 10 * math.log10(np.sum(pattern.weights**2)), "dB", "derived")
-    felt_s = pattern.times_s[np.abs(pattern.weights) > 10 ** (-largest_db / 20)]
-    yield Number("foci above threshold", condition, len(felt_s), "", "calibrated")
-    onsets = 1 + np.count_nonzero(np.diff(felt_s) > FUSED_S)
-    yield Number("onsets", condition, float(onsets), "", "calibrated")
 
 
 def _by_factor(liked: Mapping[str, float], *, is_order: bool) -> Iterator[Number]:

@@ -1,6 +1,6 @@
 """Ranges of uncertain values with sources, and draws from them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -63,9 +63,5 @@ def rank_correlations(drawn: Mapping[str, FloatArray], result: FloatArray) -> di
     >>> rank_correlations({"area": np.array([1.0, 2.0, 3.0])}, np.array([9.0, 4.0, 1.0]))
     {'area': -1.0}
     """
-    ranks = _ranks([result, *drawn.values()])
+    ranks = np.asarray(np.argsort(np.argsort([result, *drawn.values()], axis=1), axis=1), dtype=np.float64)
     return dict(zip(drawn, np.corrcoef(ranks)[0, 1:].round(12).tolist(), strict=True))
-
-
-def _ranks(rows: Sequence[FloatArray]) -> FloatArray:
-    return np.asarray(np.argsort(np.argsort(rows, axis=1), axis=1), dtype=np.float64)

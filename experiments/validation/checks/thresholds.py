@@ -73,7 +73,8 @@ def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Ge
     catch = {"n_false_alarms": rng.binomial(n_catch, task.guess_rate, n_sets), "n_catch": np.full(n_sets, n_catch)}
     told: dict[str, Any] = {"shape": SHAPE, "guess_rate": task.told}
     by_fit = {"the rule's own": _of_rule(procedure, task, made)} | _of_fits(made, told | catch)
-    by_fit["hierarchical"] = _of_groups(made, told, catch)
+    groups = [slice(first, first + N_GROUP) for first in range(0, len(made.answers), N_GROUP)]
+    by_fit["hierarchical"] = pd.concat([_of_group(made, told, catch, members) for members in groups])
     tables = [table.assign(procedure=procedure, task=task.name, fit=fit) for fit, table in by_fit.items()]
     return pd.concat([table for table in tables if table["estimate"].notna().any()], ignore_index=True)
 
@@ -112,11 +113,6 @@ def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float
     ]
     table = pd.DataFrame(rows, columns=["estimate", "low", "high"], dtype=np.float64)
     return table.assign(truth=made.thresholds_db)
-
-
-def _of_groups(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
-    groups = [slice(first, first + N_GROUP) for first in range(0, len(made.answers), N_GROUP)]
-    return pd.concat([_of_group(made, told, catch, members) for members in groups])
 
 
 def _of_group(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray[Any]], members: slice) -> pd.DataFrame:
