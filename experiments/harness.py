@@ -196,10 +196,10 @@ def share_interval(n_yes: int, n: int, coverage: float = 0.95) -> tuple[float, f
     >>> round(low, 4), round(high, 4)
     (0.4439, 0.9748)
     """
-    from scipy.stats import binomtest
+    from tactometry.analysis.distributions import exact_interval
 
-    found = binomtest(n_yes, n).proportion_ci(coverage, method="exact")
-    return float(found.low), float(found.high)
+    low, high = exact_interval(n_yes, n, coverage)
+    return float(low), float(high)
 
 
 def departure(n_yes: int, n: int, stated: float, alpha: float) -> int:
