@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 
 from tactometry.arguments.require import expect
+from tactometry.config.toml import merge
 from tactometry.observers.people import Stated
 from tactometry.trials.cells import cell as cell_text
 
-from ..study.cells import merge
 from ..study.experiment import Experiment
 from ..study.study import Study
 from .effect import OF_EXPONENT, OF_JND, WHERE, StatedEffect

@@ -12,13 +12,14 @@ from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.arguments.require import expect, one_of
 from tactometry.config.strict import build
+from tactometry.config.toml import merge
 from tactometry.errors import rewording
 from tactometry.observers.kinds import USUAL
 from tactometry.observers.people import Stated, Varied
 from tactometry.trials.cells import cell as cell_text
 from tactometry.trials.tasks import FORM_TASK
 
-from ..study.cells import WiredCell, merge
+from ..study.cells import WiredCell
 from ..study.experiment import Experiment, wire
 from ..study.predictions import contact_of, felt_db
 from ..study.session_plan import places_of

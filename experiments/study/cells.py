@@ -7,6 +7,7 @@ from typing import Any
 
 from tactometry.arguments.require import expect
 from tactometry.config.strict import as_table, build, build_kind, kind_of
+from tactometry.config.toml import merge
 from tactometry.errors import Gathered, InvalidParameter, nearest, rewording
 from tactometry.loading import resolve
 from tactometry.protocols.block_state import Condition
@@ -34,19 +35,6 @@ class WiredCell:
     procedure: ReadyProcedure
     sensation: Sensation
     modality: str = ""
-
-
-def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a table with some keys changed, including keys of inner tables.
-
-    >>> merge({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
-    {'a': 1, 'b': {'c': 4, 'd': 3}}
-    """
-    changed = dict(table)
-    for key, value in change.items():
-        are_tables = isinstance(value, Mapping) and isinstance(table.get(key), Mapping)
-        changed[key] = merge(table[key], value) if are_tables else value
-    return changed
 
 
 def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
