@@ -115,12 +115,8 @@ class MeasuredItem:
 def tell(what: str, values: float | Sequence[float], unit: str = "x", **limits: float | None) -> None:
     """Print a result, and append it to the file that `ROWS` names.
 
-    Parameters
-    ----------
-    values
-        One value, or one for each repeat.
-    limits
-        `at_least` and `at_most`.
+    - `values`: One value, or one for each repeat.
+    - `limits`: `at_least` and `at_most`.
     """
     repeats = tuple(float(f"{value:.4g}") for value in (values if isinstance(values, Sequence) else (values,)))
     found = MeasuredItem(what, repeats, unit, **limits)

@@ -308,12 +308,8 @@ def checks(
 ) -> pd.DataFrame:
     """Check the assumptions of an ANOVA: normality, sphericity and outliers.
 
-    Parameters
-    ----------
-    table : DataFrame
-        The values that were analysed.
-    anova : DataFrame
-        The table that `repeated_measures` returned for them, with Mauchly's test.
+    - `table`: The values that were analysed.
+    - `anova`: The table that `repeated_measures` returned for them, with Mauchly's test.
 
     Returns
     -------

@@ -92,14 +92,9 @@ def mixed_model(
 
     The model has a random intercept per participant.
 
-    Parameters
-    ----------
-    factors : sequence of str
-        Columns of categories. The base level is the first value, or the one named in `base`.
-    covariates : sequence of str
-        Numeric columns, such as the logarithm of the measured force.
-    interactions : bool
-        Whether to include all interactions of factors and covariates.
+    - `factors`: Columns of categories. The base level is the first value, or the one named in `base`.
+    - `covariates`: Numeric columns, such as the logarithm of the measured force.
+    - `interactions`: Whether to include all interactions of factors and covariates.
 
     Raises
     ------

@@ -46,15 +46,10 @@ def bradley_terry(
 ) -> pd.DataFrame:
     """Estimate the worths of items of paired comparisons.
 
-    Parameters
-    ----------
-    first, second : (n_trials,) sequence of str
-        First and second item of each pair, which must differ.
-    preferred : (n_trials,) sequence of int
-        1 if the first item was preferred, 2 if the second was preferred.
-    participants : (n_trials,) sequence of str, optional
-        With at least 5 participants, standard errors are clustered by participant (Liang and Zeger's sandwich
-        estimator), and intervals use t with n - 1 degrees of freedom. Otherwise answers count as independent.
+    - `first`, `second`: First and second item of each pair, which must differ.
+    - `preferred`: 1 if the first item was preferred, 2 if the second was preferred.
+    - `participants`: With at least 5 participants, standard errors are clustered by participant (Liang and Zeger's
+      sandwich estimator), and intervals use t with n - 1 degrees of freedom. Otherwise answers count as independent.
 
     Returns
     -------

@@ -43,24 +43,14 @@ class Devices:
 class BenchFile:
     """Contents of a bench file. The tighter limits of bench and study apply.
 
-    Parameters
-    ----------
-    screen : DisplayTable
-        Screen on which the participant reads and answers.
-    output : OutputPart
-        Device that plays the stimuli.
-    limits : Limits, optional
-        Limits for every signal. Required if an output is connected.
-    sensors : mapping of str to SensorPart
-        Sensors by name. You choose the names.
-    force : ForcePart, optional
-        Force sensor and its calibration. Required if an output is connected, unless the output is `ungated`.
-    position : PositionPart, optional
-        Sensor of the finger's position, with its calibration.
-    time_reversal : Learnt, optional
-        Measured impulse responses of this bench. They replace those of the model.
-    traces : TracesTable
-        Kinds of samples that a session stores.
+    - `screen`: Screen on which the participant reads and answers.
+    - `output`: Device that plays the stimuli.
+    - `limits`: Limits for every signal. Required if an output is connected.
+    - `sensors`: Sensors by name. You choose the names.
+    - `force`: Force sensor and its calibration. Required if an output is connected, unless the output is `ungated`.
+    - `position`: Sensor of the finger's position, with its calibration.
+    - `time_reversal`: Measured impulse responses of this bench. They replace those of the model.
+    - `traces`: Kinds of samples that a session stores.
     """
 
     screen: DisplayTable = field(default_factory=DisplayTable)

@@ -147,12 +147,8 @@ def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spr
     Raises `InvalidFile` if the folder contains another run, or contains this run and `resume` is False. Raises
     `DeviceFailed` if pyarrow (extra: power) is not installed.
 
-    Parameters
-    ----------
-    root : Path
-        Output folder, created if missing.
-    resume : bool
-        Continue an interrupted run and keep its complete files.
+    - `root`: Output folder, created if missing.
+    - `resume`: Continue an interrupted run and keep its complete files.
     """
     arrow("tracks")
     prepare(root, run.asked, "run of tracks", resume=resume)

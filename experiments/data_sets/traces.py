@@ -47,20 +47,12 @@ class Samples(NamedTuple):
 class TouchTrace:
     """One touch of a trial: request, result and recorded samples.
 
-    Parameters
-    ----------
-    head : Head
-        Head of the sitting (part of a session).
-    trial : Trial
-        First row of its trial.
-    request, answer
-        Request and result of the touch. Times are in s from the start of the session.
-    force, position : Samples or None
-        Samples recorded from the request on, for at most a minute.
-    emitted : Signal or None
-        Emitted signal from the onset on. None if nothing was emitted, or the signal cannot be recomputed.
-    unknown : str or None
-        Reason why the emitted signal cannot be recomputed.
+    - `head`: Head of the sitting (part of a session).
+    - `trial`: First row of its trial.
+    - `request`, `answer`: Request and result of the touch. Times are in s from the start of the session.
+    - `force`, `position`: Samples recorded from the request on, for at most a minute.
+    - `emitted`: Emitted signal from the onset on. None if nothing was emitted, or the signal cannot be recomputed.
+    - `unknown`: Reason why the emitted signal cannot be recomputed.
     """
 
     head: Head
@@ -91,16 +83,10 @@ def read_traces(
     An emitted signal that followed the finger is read from its file. Others are computed from the study, or None if the
     digest differs from that in the journal.
 
-    Parameters
-    ----------
-    path : Path
-        Folder of a data set, or one of its journals.
-    trial : int
-        Number of the trial in its session.
-    participant, session
-        Participant and session, if the data set has several.
-    bench : Path, optional
-        Bench file, needed if its learned responses or its board changed the signals of the study.
+    - `path`: Folder of a data set, or one of its journals.
+    - `trial`: Number of the trial in its session.
+    - `participant`, `session`: Participant and session, if the data set has several.
+    - `bench`: Bench file, needed if its learned responses or its board changed the signals of the study.
 
     Returns
     -------

@@ -42,33 +42,21 @@ class Case:
 class PowerDesign:
     """All inputs that determine a power analysis.
 
-    Parameters
-    ----------
-    study_toml : bytes
-        Content of the study file.
-    where : str
-        Name of the study in errors.
-    effect : StatedEffect
-    participants : tuple of int
-        Numbers of participants to try, in increasing order. Only the largest study is simulated. Smaller studies
-        consist of its first participants.
-    trials : tuple of (int or None)
-        Numbers of trials per track to try. None: as in the study.
-    seed : int
-    target : float
-        Power to achieve.
-    alpha : float
-        Significance level of the test.
-    precision : float
-        Half width of a power's 95 % interval at which sampling stops.
-    most, batch : int
-        Largest number of simulated studies per case, and number of studies between checks whether to stop.
-    dropout_share : float
-        Probability that a participant drops out, at a uniformly drawn trial.
-    dependent : str
-        Dependent variable. If empty, the first one of the task's analysis.
-    code_from : Path or None
-        Folder with the code of a custom observer.
+    - `study_toml`: Content of the study file.
+    - `where`: Name of the study in errors.
+    - `effect`:
+    - `participants`: Numbers of participants to try, in increasing order. Only the largest study is simulated. Smaller
+      studies consist of its first participants.
+    - `trials`: Numbers of trials per track to try. None: as in the study.
+    - `seed`:
+    - `target`: Power to achieve.
+    - `alpha`: Significance level of the test.
+    - `precision`: Half width of a power's 95 % interval at which sampling stops.
+    - `most`, `batch`: Largest number of simulated studies per case, and number of studies between checks whether to
+      stop.
+    - `dropout_share`: Probability that a participant drops out, at a uniformly drawn trial.
+    - `dependent`: Dependent variable. If empty, the first one of the task's analysis.
+    - `code_from`: Folder with the code of a custom observer.
 
     Raises
     ------

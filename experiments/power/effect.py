@@ -34,17 +34,12 @@ _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 class StatedEffect:
     """Stated change between the levels of a factor.
 
-    Parameters
-    ----------
-    factor : str
-    unit : str
-        ``"dB SL"`` for a change in sensation, ``"points"`` for a change in score, ``"% JND"`` or ``"% exponent"`` for a
-        relative change of these. The unit of the levels stands for a change in threshold, or with the suffix `` PSE``
-        for a change in the point of subjective equality.
-    change : float or None
-        Change from the first level to the last, in equal steps centred on zero.
-    by_level : tuple of (str, float)
-        Alternative to `change`: the change at each named level. Other levels are unchanged.
+    - `factor`:
+    - `unit`: ``"dB SL"`` for a change in sensation, ``"points"`` for a change in score, ``"% JND"`` or ``"% exponent"``
+      for a relative change of these. The unit of the levels stands for a change in threshold, or with the suffix ``
+      PSE`` for a change in the point of subjective equality.
+    - `change`: Change from the first level to the last, in equal steps centred on zero.
+    - `by_level`: Alternative to `change`: the change at each named level. Other levels are unchanged.
     """
 
     factor: str

@@ -22,36 +22,20 @@ Values = Mapping[str, Any]
 class KeyTable:
     """Reference table of a user file. Its class is imported only when needed.
 
-    Parameters
-    ----------
-    name : str
-        Name for `tactometry keys`, such as ``touch.slide``.
-    header : str
-        Header in the file, such as ``[touch]``. Empty for the top of the file.
-    reads : str
-        Import target of the class that reads the table.
-    kind : str
-        Value of the table's key ``kind``, if any.
-    usual : bool
-        True if ``kind`` is optional.
-    note : str
-        Addition to the description of the class.
-    example : mapping or str
-        Valid table with the required keys, or the import target of such a table.
-    samples : mapping
-        Example values of keys that have no default and are not in `example`.
-    instead : mapping of str to mapping
-        Separate examples for keys that contradict `example`.
-    also : collection of str
-        Names of tables whose keys are also allowed.
-    given : callable
-        Returns fields that the file does not state.
-    made : callable
-        Builds the final object, which may check more.
-    in_levels : collection of str
-        Keys whose unit is that of the level.
-    kinds : mapping of str to mapping of str to str
-        Keys whose value is a table of one of these kinds, with the import target of each class.
+    - `name`: Name for `tactometry keys`, such as ``touch.slide``.
+    - `header`: Header in the file, such as ``[touch]``. Empty for the top of the file.
+    - `reads`: Import target of the class that reads the table.
+    - `kind`: Value of the table's key ``kind``, if any.
+    - `usual`: True if ``kind`` is optional.
+    - `note`: Addition to the description of the class.
+    - `example`: Valid table with the required keys, or the import target of such a table.
+    - `samples`: Example values of keys that have no default and are not in `example`.
+    - `instead`: Separate examples for keys that contradict `example`.
+    - `also`: Names of tables whose keys are also allowed.
+    - `given`: Returns fields that the file does not state.
+    - `made`: Builds the final object, which may check more.
+    - `in_levels`: Keys whose unit is that of the level.
+    - `kinds`: Keys whose value is a table of one of these kinds, with the import target of each class.
     """
 
     name: str

@@ -97,12 +97,8 @@ def stimulus_class(
 
     Raises `InvalidParameter` if the class does not exist, lacks a required member, or its code is not allowed.
 
-    Parameters
-    ----------
-    factors : collection of str
-        Factors that are keys of the stimulus.
-    of_touch : collection of str
-        Keys of the touch.
+    - `factors`: Factors that are keys of the stimulus.
+    - `of_touch`: Keys of the touch.
     """
     target, where = table["kind"], "stimulus.kind"
     for name in STATED:

@@ -39,15 +39,10 @@ def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
 class TracksTable:
     """Settings for the tracks of a procedure, alongside its own keys.
 
-    Parameters
-    ----------
-    shared : bool
-        Share all parameters except the threshold between interleaved tracks (QUEST+ and psi).
-    easy_share : float
-        Share of trials far above threshold, which reveal the lapse rate (adaptive procedures). Each group of round(1 /
-        `easy_share`) trials contains one easy trial. Easy trials count as trials of the track.
-    easy_level : float, optional
-        Level of easy trials, by default the highest level.
+    - `shared`: Share all parameters except the threshold between interleaved tracks (QUEST+ and psi).
+    - `easy_share`: Share of trials far above threshold, which reveal the lapse rate (adaptive procedures). Each group
+      of round(1 / `easy_share`) trials contains one easy trial. Easy trials count as trials of the track.
+    - `easy_level`: Level of easy trials, by default the highest level.
     """
 
     shared: bool = False

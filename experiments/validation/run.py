@@ -97,12 +97,8 @@ def validate(
 
     Raises `InvalidFile` if the folder contains another run, or contains a run and `resume` is False.
 
-    Parameters
-    ----------
-    resume : bool
-        Continue an interrupted run, or one with fewer rounds.
-    tell : callable
-        Called with the iterator of completed files and their number.
+    - `resume`: Continue an interrupted run, or one with fewer rounds.
+    - `tell`: Called with the iterator of completed files and their number.
     """
     prepare(root, validation.asked, "validation", resume=resume)
     make_folder(root / OUTCOMES)

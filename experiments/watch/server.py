@@ -50,10 +50,7 @@ NO_LIBRARY: Final = "watch: found no library for its page ({error}); pip install
 def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int | None:
     """Return the HTTP status for a rejected request, or None if allowed.
 
-    Parameters
-    ----------
-    headers : mapping of str to str
-        Headers by lower-case name.
+    - `headers`: Headers by lower-case name.
 
     >>> refusal({"host": "127.0.0.1:8000"}, "/t/", 8000, "t"), refusal({"host": "127.0.0.1:8000"}, "/", 8000, "t")
     (None, 404)
@@ -152,12 +149,8 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
 
     Raises `DeviceFailed` if the port is in use, or the library of the server is not installed.
 
-    Parameters
-    ----------
-    port : int
-        Port to listen at. 0 selects any free port.
-    until : binary file, optional
-        Stream whose end stops the server. A thread reads it.
+    - `port`: Port to listen at. 0 selects any free port.
+    - `until`: Stream whose end stops the server. A thread reads it.
     """
     with library_needed(NO_LIBRARY):
         import uvicorn
