@@ -32,14 +32,24 @@ def run(
 ) -> Recorded:
     """Run a session of a study and record it.
 
-    - `study`: Name of a built-in study, or path of a study file.
-    - `participant`: Code of letters and digits that ends with a number, such as P01.
-    - `out`: Folder of the data set.
-    - `rig`: ``bench`` (a window and the devices of the bench file), ``console`` or ``simulated``.
-    - `bench`: Path of a bench file.
-    - `seed`: Seed of the session. Drawn by default.
-    - `resume`: Continue an interrupted session.
-    - `tell`: Called with each message for the experimenter.
+    Parameters
+    ----------
+    study : str or Path
+        Name of a built-in study, or path of a study file.
+    participant : str
+        Code of letters and digits that ends with a number, such as P01.
+    out : str or Path
+        Folder of the data set.
+    rig : str
+        ``bench`` (a window and the devices of the bench file), ``console`` or ``simulated``.
+    bench : str or Path, optional
+        Path of a bench file.
+    seed : int, optional
+        Seed of the session. Drawn by default.
+    resume : bool
+        Continue an interrupted session.
+    tell : callable
+        Called with each message for the experimenter.
 
     Returns
     -------

@@ -34,10 +34,8 @@ class Reference:
 class Problem:
     """Workload with settings from coarse to fine, grouped by contender.
 
-    - `title`:
     - `reference`: Reference result, from a different method than the settings if possible.
     - `error`: Function of a result and the reference that returns the relative error. `title` states the norm.
-    - `settings`:
     - `price`: Name of the price, with its unit.
     - `name`: Key in `PROBLEMS`.
     - `independent`: Result of another method, given if the reference is our own method at its finest setting.

@@ -83,10 +83,16 @@ def read_traces(
     An emitted signal that followed the finger is read from its file. Others are computed from the study, or None if the
     digest differs from that in the journal.
 
-    - `path`: Folder of a data set, or one of its journals.
-    - `trial`: Number of the trial in its session.
-    - `participant`, `session`: Participant and session, if the data set has several.
-    - `bench`: Bench file, needed if its learned responses or its board changed the signals of the study.
+    Parameters
+    ----------
+    path : Path
+        Folder of a data set, or one of its journals.
+    trial : int
+        Number of the trial in its session.
+    participant, session
+        Participant and session, if the data set has several.
+    bench : Path, optional
+        Bench file, needed if its learned responses or its board changed the signals of the study.
 
     Returns
     -------

@@ -44,11 +44,9 @@ class PowerDesign:
 
     - `study_toml`: Content of the study file.
     - `where`: Name of the study in errors.
-    - `effect`:
     - `participants`: Numbers of participants to try, in increasing order. Only the largest study is simulated. Smaller
       studies consist of its first participants.
     - `trials`: Numbers of trials per track to try. None: as in the study.
-    - `seed`:
     - `target`: Power to achieve.
     - `alpha`: Significance level of the test.
     - `precision`: Half width of a power's 95 % interval at which sampling stops.

@@ -34,7 +34,6 @@ _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 class StatedEffect:
     """Stated change between the levels of a factor.
 
-    - `factor`:
     - `unit`: ``"dB SL"`` for a change in sensation, ``"points"`` for a change in score, ``"% JND"`` or ``"% exponent"``
       for a relative change of these. The unit of the levels stands for a change in threshold, or with the suffix ``
       PSE`` for a change in the point of subjective equality.

@@ -46,7 +46,6 @@ class PsychoPyStudy:
 
     The limits of study and bench apply to the output, as in a session. Duty limits count from the start of the script.
 
-    - `window`:
     - `study`: Name of a built-in study, or path of a study file.
     - `bench`: Bench file. Without it, nothing is played and no force is measured.
     - `seed`: Seed of random draws (intervals, orders of levels).

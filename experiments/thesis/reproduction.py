@@ -22,7 +22,6 @@ class Number:
     """Reproduced number, with the statement of the sources.
 
     - `quantity`, `condition`: Together they are unique in a table.
-    - `value`, `unit`:
     - `origin`: Result of the physics, of a constant that was set to it, or of the input.
     - `stated`: The statement of the thesis, or empty.
     - `holds`: Whether the number agrees with the statement, or None without one.
@@ -82,7 +81,6 @@ def band_of(values: Sequence[float] | FloatArray) -> DrawnBand:
 class Reproduction:
     """Item of `tactometry reproduce`.
 
-    - `title`:
     - `stated`: Statement of our sources, with the page.
     - `assumes`: Choices that no source gives.
     - `numbers`: Yields the numbers of a table or finding.

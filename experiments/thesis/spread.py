@@ -13,10 +13,8 @@ from tactometry.stimuli.arrays import FloatArray
 class SourcedRange:
     """Values that sources leave open, all equally likely on a scale.
 
-    - `name`, `unit`:
     - `low`, `high`: Ends of the range, above 0 on the scale "log".
     - `source`: Where the ends are from and how they were read, or "no source".
-    - `scale`:
     """
 
     name: str

@@ -42,9 +42,7 @@ class Kind:
 class Check:
     """Check of one or more methods.
 
-    - `title`:
     - `words`: Description of the simulation and of the expected result.
-    - `kind`:
     - `keys`: Columns that identify a row of the table. The last one names the method.
     - `settings`: Simulation functions by name.
     - `n_sets`: Number of sets, groups or studies in a chunk of a setting.
