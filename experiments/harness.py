@@ -5,14 +5,13 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
 from typing import Any, Final, TypeVar
 
 from tactometry.errors import library_needed
 from tactometry.files.durable import write_atomically
-from tactometry.loading import resolve
 
 from .workers import Spread
 
@@ -21,15 +20,6 @@ Call = Callable[[], Any]
 ROWS: Final = "TACTOMETRY_BENCH_ROWS"
 """Environment variable with the path of a file. `tell` appends each result to it as a line of JSON."""
 SHORTEST_S: Final = 1e-9
-
-
-def item(table: Mapping[str, str], name: str, *, made: bool = False) -> Any:
-    """Import an item from a table of import targets, and set its name.
-
-    With `made`, the target is called and the item is its result.
-    """
-    found = resolve(table[name])
-    return replace(found() if made else found, name=name)
 
 
 def run_once(call: Call) -> tuple[float, Any]:

@@ -56,13 +56,13 @@ class Validation:
 
     seed: int
     n_rounds: int = 1
-    checks: tuple[str, ...] = tuple(CHECKS)
+    checks: tuple[str, ...] = CHECKS
 
     def __post_init__(self) -> None:
         whole("Validation", lowest=1, n_rounds=self.n_rounds)
         whole("Validation", lowest=0, seed=self.seed)
         for name in self.checks:
-            one_of("check", name, tuple(CHECKS))
+            one_of("check", name, CHECKS)
 
     @property
     def chunks(self) -> list[Chunk]:

@@ -18,7 +18,6 @@ from tactometry.psychometric import PsychometricFunction
 from ...bias_study import participants as simulated
 from ...bias_study.participants import (
     AT_CHANCE,
-    FALSE_ALARM_RATE,
     HIGH_DB,
     INSIDE,
     LAPSE_RATE,
@@ -28,7 +27,7 @@ from ...bias_study.participants import (
     SimulatedTask,
     Tracks,
 )
-from ..check import ESTIMATES, Check
+from ..check import Simulate
 
 N_TRIALS: Final = 60
 N_GROUP: Final = 10
@@ -129,33 +128,9 @@ def _of_group(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray
     return people.assign(truth=made.thresholds_db[members])
 
 
-CHECK: Final = Check(
-    title="Thresholds of one participant",
-    words=f"""\
-Each participant answers {N_TRIALS} trials of a procedure with levels from {LOW_DB:g} to {HIGH_DB:g} dB (constant
-stimuli: from 8 to 32 dB in steps of 4). The psychometric function is a Gumbel function with a threshold in the middle
-half of the levels, a width from 4 to 16 dB (uniform on a logarithmic scale), and {LAPSE_RATE:.0%} lapses. In yes/no
-tasks, there are {FALSE_ALARM_RATE:.0%} false alarms, and one catch trial to four trials. Errors and widths are in dB.
-The fits receive the same information as in `analyse`: the shape and, in forced choice, the guess rate, with
-psignifit's priors. Mode (reported by `analyse` in yes/no), median (in forced choice) and mean share an interval.
-*the rule's own* estimate is compared with the target level of the rule. A hierarchical fit has {N_GROUP}
-participants.""",
-    kind=ESTIMATES,
-    keys=("procedure", "task", "fit"),
-    settings={
-        f"{procedure}, {task.name}": partial(outcomes, procedure, task)
-        for procedure in PROCEDURES
-        for task in CHOSEN
-        if (procedure, task.name) not in LEFT_OUT
-    },
-    n_sets=10,
-    reasons={
-        "hierarchical": "a Bayesian interval is exact on average over its priors, and the model assumes normally "
-        "distributed thresholds, whereas the simulated ones are uniform",
-        "posterior, mode": "a Bayesian interval is exact on average over its priors, but the lapse rates and widths of "
-        "these participants vary less than the priors",
-        "posterior, median": "same reason as for the mode, which has the same interval",
-        "posterior, mean": "same reason as for the mode, which has the same interval",
-    },
-    figure="thresholds",
-)
+SETTINGS: Final[Mapping[str, Simulate]] = {
+    f"{procedure}, {task.name}": partial(outcomes, procedure, task)
+    for procedure in PROCEDURES
+    for task in CHOSEN
+    if (procedure, task.name) not in LEFT_OUT
+}
