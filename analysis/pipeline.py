@@ -169,30 +169,23 @@ class Cells:
 def count_cells(selected: SelectedTrials) -> Cells:
     """Count answers by participant and condition; score questionnaires.
 
-    Raises
-    ------
-    InvalidFile
-        If there is nothing to analyse.
+    Raises `InvalidFile` if there is nothing to analyse.
     """
     trials = selected.trials
     all_used = used_rows(selected.everything)
     all_judged = counting.judgements(all_used)
     used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
     found = counting.cells(counting.counted_answers(judged), trials.factors)
-    forms, direct = ratings(trials, selected.plan.primary), _direct_tables(used, trials.factors)
+    rows_of = dict(iter(used.groupby("task")))
+    tables: Tables = {}
+    for task in (task for task in RESULTS if task in rows_of):
+        tables |= {name: table_of(rows_of[task], trials.factors) for name, table_of in RESULTS[task].tables.items()}
+    direct = {name: table for name, table in tables.items() if len(table)}
+    forms = ratings(trials, selected.plan.primary)
     if not (found or forms or direct):
         why = UNSCORED if all_used["task"].isin(counting.CHOICES).any() else ""
         raise InvalidFile(f"{trials.path}: found {NOTHING}{why}")
     return Cells(selected, used, judged, all_judged, found, direct, forms)
-
-
-def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
-    """Return the tables of each task without a psychometric function."""
-    rows_of = dict(iter(used.groupby("task")))
-    tables: Tables = {}
-    for task in (task for task in RESULTS if task in rows_of):
-        tables |= {name: table_of(rows_of[task], factors) for name, table_of in RESULTS[task].tables.items()}
-    return {name: table for name, table in tables.items() if len(table)}
 
 
 @dataclass(frozen=True)

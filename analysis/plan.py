@@ -20,16 +20,10 @@ from .reading.study_file import study_table
 class AnalysisPlan:
     """Exclusions, equivalence bounds and primary analysis.
 
-    Parameters
-    ----------
-    exclusion : Exclusion
-        Rules that exclude trials and participants.
-    equivalence : mapping of str to float
-        Largest negligible difference between the levels of a factor, in the unit of the threshold.
-    hierarchical : bool
-        Also fits a hierarchical model of all participants.
-    primary : str, optional
-        Name of the primary analysis; the others are checks. By default a rule chooses it.
+    - `exclusion`: Rules that exclude trials and participants.
+    - `equivalence`: Largest negligible difference between the levels of a factor, in the unit of the threshold.
+    - `hierarchical`: Also fits a hierarchical model of all participants.
+    - `primary`: Name of the primary analysis; the others are checks. By default a rule chooses it.
 
     Raises
     ------
@@ -59,10 +53,7 @@ class AnalysisPlan:
 def read_plan(path: str | Path) -> AnalysisPlan:
     """Read a plan from TOML tables `[exclusion]` and `[equivalence]`.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, or contains unknown keys.
+    Raises `InvalidFile` if the file cannot be read, or contains unknown keys.
     """
     return read_toml(AnalysisPlan, Path(path), "an analysis plan")
 

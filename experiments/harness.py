@@ -5,14 +5,13 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
 from typing import Any, Final, TypeVar
 
 from tactometry.errors import library_needed
 from tactometry.files.durable import write_atomically
-from tactometry.loading import resolve
 
 from .workers import Spread
 
@@ -21,15 +20,6 @@ Call = Callable[[], Any]
 ROWS: Final = "TACTOMETRY_BENCH_ROWS"
 """Environment variable with the path of a file. `tell` appends each result to it as a line of JSON."""
 SHORTEST_S: Final = 1e-9
-
-
-def item(table: Mapping[str, str], name: str, *, made: bool = False) -> Any:
-    """Import an item from a table of import targets, and set its name.
-
-    With `made`, the target is called and the item is its result.
-    """
-    found = resolve(table[name])
-    return replace(found() if made else found, name=name)
 
 
 def run_once(call: Call) -> tuple[float, Any]:
@@ -115,12 +105,8 @@ class MeasuredItem:
 def tell(what: str, values: float | Sequence[float], unit: str = "x", **limits: float | None) -> None:
     """Print a result, and append it to the file that `ROWS` names.
 
-    Parameters
-    ----------
-    values
-        One value, or one for each repeat.
-    limits
-        `at_least` and `at_most`.
+    - `values`: One value, or one for each repeat.
+    - `limits`: `at_least` and `at_most`.
     """
     repeats = tuple(float(f"{value:.4g}") for value in (values if isinstance(values, Sequence) else (values,)))
     found = MeasuredItem(what, repeats, unit, **limits)
@@ -177,10 +163,7 @@ def _written(path: Path, content: bytes) -> Path:
 def arrow(where: str) -> Any:
     """Return pyarrow with its `parquet` module. An error begins with `where`.
 
-    Raises
-    ------
-    DeviceFailed
-        If pyarrow, an optional extra of 170 MB, is not installed.
+    Raises `DeviceFailed` if pyarrow, an optional extra of 170 MB, is not installed.
     """
     with library_needed(
         f"{where}: found no pyarrow ({{error}}), expected it for Parquet files; pip install 'tactometry[power]'"
@@ -199,10 +182,10 @@ def share_interval(n_yes: int, n: int, coverage: float = 0.95) -> tuple[float, f
     >>> round(low, 4), round(high, 4)
     (0.4439, 0.9748)
     """
-    from scipy.stats import binomtest
+    from tactometry.analysis.distributions import exact_interval
 
-    found = binomtest(n_yes, n).proportion_ci(coverage, method="exact")
-    return float(found.low), float(found.high)
+    low, high = exact_interval(n_yes, n, coverage)
+    return float(low), float(high)
 
 
 def departure(n_yes: int, n: int, stated: float, alpha: float) -> int:

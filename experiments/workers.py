@@ -25,10 +25,7 @@ def here(function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
 def check_workers(n_jobs: int, scheduler: str | None) -> None:
     """Reject an invalid number of processes, or a number with a cluster.
 
-    Raises
-    ------
-    InvalidParameter
-        If the number is neither -1 nor at least 1, or a cluster is stated too.
+    Raises `InvalidParameter` if the number is neither -1 nor at least 1, or a cluster is stated too.
     """
     is_number = n_jobs == 1 if scheduler else n_jobs >= 1 or n_jobs == -1
     expected = "--scheduler alone" if scheduler else "at least 1, or -1 for all cores"
@@ -41,10 +38,7 @@ def workers(n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Spread]:
 
     `n_jobs` is the number of local processes (-1: one for each core), `scheduler` the address of a Dask cluster.
 
-    Raises
-    ------
-    DeviceFailed
-        If the cluster does not respond, or its package is not installed.
+    Raises `DeviceFailed` if the cluster does not respond, or its package is not installed.
 
     >>> with workers() as spread:
     ...     list(spread(abs, [-1, 2]))

@@ -71,13 +71,9 @@ def bounded_design(
 ) -> BoundedDesign:
     """Arrange a table with at most one row per cell as a design.
 
-    Raises
-    ------
-    InvalidParameter
-        For a missing column, a lower bound above the upper bound, several values in a cell, or a participant in two
-        groups.
-    UndefinedStatistic
-        For too few participants, levels or known values in a cell, or if all values are equal.
+    Raises `InvalidParameter` for a missing column, a lower bound above the upper bound, several values in a cell, or a
+    participant in two groups. Raises `UndefinedStatistic` for too few participants, levels or known values in a cell,
+    or if all values are equal.
     """
     keys = [subject, *within, *([between] if between else [])]
     expect_columns(table, [dependent, low, high, *keys], "censored_anova")
@@ -107,10 +103,8 @@ def bounded_design(
 def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
     """Return the interval (row, 2) of each value; ends of known values agree.
 
-    Raises
-    ------
-    InvalidParameter
-        For text, infinite values, or a lower bound above the upper bound. The error names the row.
+    Raises `InvalidParameter` for text, infinite values, or a lower bound above the upper bound. The error names the
+    row.
     """
     y, bottom, top = (_numbers(table, name) for name in (dependent, low, high))
     known = ~np.isnan(y)

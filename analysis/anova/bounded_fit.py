@@ -139,10 +139,7 @@ class BoundedFit:
 def fit_bounded(data: BoundedValues) -> BoundedFit:
     """Fit the model to values with a standard deviation of about 1.
 
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If the search leaves the range of floating-point numbers.
+    Raises `numpy.linalg.LinAlgError` if the search leaves the range of floating-point numbers.
     """
     ends = np.where(np.isfinite(data.low), data.low, data.high)
     cell_means = np.nanmean(np.where(data.known, data.low, np.nan), axis=0)

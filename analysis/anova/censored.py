@@ -67,18 +67,11 @@ def censored_anova(
 ) -> CensoredAnova:
     """Compute an analysis of variance with values that may be censored.
 
-    Parameters
-    ----------
-    dependent : str
-        Column of the values; empty if a value is unknown.
-    low, high : str
-        Columns of the bounds, used if the value is empty. An empty bound is infinite.
-    within : str or sequence of str
-        Up to three columns of conditions; without any, only the means are returned.
-    between : str, optional
-        Column of the groups of participants.
-    interval : float
-        Coverage of the intervals of the effect sizes.
+    - `dependent`: Column of the values; empty if a value is unknown.
+    - `low`, `high`: Columns of the bounds, used if the value is empty. An empty bound is infinite.
+    - `within`: Up to three columns of conditions; without any, only the means are returned.
+    - `between`: Column of the groups of participants.
+    - `interval`: Coverage of the intervals of the effect sizes.
 
     Raises
     ------

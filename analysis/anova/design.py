@@ -95,12 +95,8 @@ def within_design(
 ) -> WithinDesign:
     """Arrange a table in long form as a design; repeated cells are averaged.
 
-    Raises
-    ------
-    InvalidParameter
-        For a missing column, or if there are not one to three different factors.
-    UndefinedStatistic
-        For values that are not finite, missing cells, too few participants or levels.
+    Raises `InvalidParameter` for a missing column, or if there are not one to three different factors. Raises
+    `UndefinedStatistic` for values that are not finite, missing cells, too few participants or levels.
     """
     within = names_of(within)
     data = finite_rows(table, [dependent, subject, *within], dependent, where)
@@ -130,10 +126,7 @@ def names_of(within: Sequence[str] | str) -> list[str]:
 def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
     """Return each row's index in the sorted values, and these values.
 
-    Raises
-    ------
-    InvalidParameter
-        If the values cannot be sorted.
+    Raises `InvalidParameter` if the values cannot be sorted.
     """
     try:
         codes, different = pd.factorize(data[name], sort=True)
@@ -227,10 +220,8 @@ def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: 
 def spread(values: Array, dependent: str) -> float:
     """Return the standard deviation of all values, if F is defined.
 
-    Raises
-    ------
-    UndefinedStatistic
-        If all values are equal, if conditions do not differ, or if they differ equally in all participants.
+    Raises `UndefinedStatistic` if all values are equal, if conditions do not differ, or if they differ equally in all
+    participants.
     """
     unit = size_of(values)
     values = values / unit

@@ -119,10 +119,7 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
 def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
     """Correct p for the number of tests; a missing p does not count.
 
-    Raises
-    ------
-    InvalidParameter
-        If the correction is not one of `CORRECTIONS`.
+    Raises `InvalidParameter` if the correction is not one of `CORRECTIONS`.
     """
     import pingouin  # slow to load
 

@@ -80,10 +80,7 @@ class Groups:
 def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
     """Return the group of each participant.
 
-    Raises
-    ------
-    InvalidParameter
-        For a participant in two groups, fewer than two groups, or a group of one.
+    Raises `InvalidParameter` for a participant in two groups, fewer than two groups, or a group of one.
     """
     n_groups = rows.groupby(subject, observed=True)[between].nunique(dropna=False)
     found = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"

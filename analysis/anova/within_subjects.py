@@ -308,12 +308,8 @@ def checks(
 ) -> pd.DataFrame:
     """Check the assumptions of an ANOVA: normality, sphericity and outliers.
 
-    Parameters
-    ----------
-    table : DataFrame
-        The values that were analysed.
-    anova : DataFrame
-        The table that `repeated_measures` returned for them, with Mauchly's test.
+    - `table`: The values that were analysed.
+    - `anova`: The table that `repeated_measures` returned for them, with Mauchly's test.
 
     Returns
     -------
@@ -328,32 +324,26 @@ def checks(
     sphericity of force_n: Mauchly W = .816, p = .816: not contradicted
     outliers: no residual beyond 3 standard deviations
     """
+    import pingouin  # slow to load
+
     cells = within_design(table, dependent=dependent, within=within, subject=subject, where="checks").cells
     residuals = cells - cells.mean(axis=0) - cells.mean(axis=1, keepdims=True) + cells.mean()
     effect_rows = anova[anova["Source"] != "Error"].to_dict("records")
-    return pd.DataFrame([_normality(residuals), *map(_sphericity, effect_rows), _outliers(residuals)])
-
-
-def _normality(residuals: Array) -> dict[str, object]:
-    import pingouin  # slow to load
-
     w, p = MISSING
     if residuals.size <= MAX_SHAPIRO:
         # Standardised: W does not depend on the unit, but its sums of squares may overflow.
         w, p = pingouin.normality(residuals.ravel() / residuals.std())[["W", "pval"]].astype(float).iloc[0]
-    return _check("normality of the residuals", "Shapiro-Wilk W", w, p, "too many values")
+    normality = _check("normality of the residuals", "Shapiro-Wilk W", w, p, "too many values")
+    n = int(np.sum(np.abs(residuals) > MANY_SD * float(residuals.std())))
+    text = f"outliers: {n or 'no'} residual{'s' if n > 1 else ''} beyond {MANY_SD:g} standard deviations"
+    outliers = {"check": "outliers", "statistic": float(n), "p": None, "holds": n == 0, "text": text}
+    return pd.DataFrame([normality, *map(_sphericity, effect_rows), outliers])
 
 
 def _sphericity(effect: Mapping[Any, Any]) -> dict[str, object]:
     why_not = "the error matrix is singular" if effect["ddof1"] > 1 else "two levels are always spherical"
     w, p = effect["W_spher"], effect["p_spher"]
     return _check(f"sphericity of {effect['Source']}", "Mauchly W", w, np.nan if np.isnan(w) else p, why_not)
-
-
-def _outliers(residuals: Array) -> dict[str, object]:
-    n = int(np.sum(np.abs(residuals) > MANY_SD * float(residuals.std())))
-    text = f"outliers: {n or 'no'} residual{'s' if n > 1 else ''} beyond {MANY_SD:g} standard deviations"
-    return {"check": "outliers", "statistic": float(n), "p": None, "holds": n == 0, "text": text}
 
 
 def _check(name: str, statistic: str, value: float, p: float, why_not: str) -> dict[str, object]:

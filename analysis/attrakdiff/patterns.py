@@ -57,10 +57,7 @@ def frequency_by_envelope(
     Patterns that are not in `design` and participants without a score (`left_out`) are omitted. A dimension without a
     result has one row, with the reason in `note`.
 
-    Raises
-    ------
-    InvalidParameter
-        If a pattern of the design is not in the table.
+    Raises `InvalidParameter` if a pattern of the design is not in the table.
     """
     _expect(scored, pattern, design)
     kept = scored[scored[pattern].isin(design)]
@@ -110,10 +107,7 @@ def against_reference(scored: pd.DataFrame, *, reference: str = "P0", pattern: s
 
     The columns are those of `pairs`, plus `dimension`, `left_out` and `note`.
 
-    Raises
-    ------
-    InvalidParameter
-        If the reference is not in the table.
+    Raises `InvalidParameter` if the reference is not in the table.
     """
     _expect(scored, pattern, [reference])
 

@@ -199,10 +199,7 @@ def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float
 def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     """Return the means of PQ and HQ by condition, and the portfolio `region`.
 
-    Raises
-    ------
-    InvalidParameter
-        If the questionnaire has no dimensions PQ and HQ.
+    Raises `InvalidParameter` if the questionnaire has no dimensions PQ and HQ.
     """
     has_both = {"PQ", "HQ"} <= set(dimensions_of(scored))
     expect(has_both, "portfolio", scored.attrs["questionnaire"].name, "dimensions PQ and HQ")

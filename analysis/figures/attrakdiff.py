@@ -82,7 +82,14 @@ def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
 
     with new_figure(5.4, 4.6) as figure:
         axes = figure.add_subplot()
-        _regions(axes)
+        halo = {"facecolor": "white", "alpha": 0.65, "linewidth": 0, "pad": 0.8}
+        for edge in (-1, 1):
+            axes.axhline(edge, color="#bbbbbb", linewidth=0.8)
+            axes.axvline(edge, color="#bbbbbb", linewidth=0.8)
+        for along, x in enumerate(CENTRES):
+            for up, y in enumerate(CENTRES):
+                name = REGIONS[along][up].replace(" ", "\n").replace("-", "-\n")
+                axes.text(x, y, name, color="#595959", fontsize=6.5, ha="center", va="center", zorder=1.9, bbox=halo)
         for n, row in enumerate(portfolio.to_dict("records")):
             style = look(n)
             if row["PQ_low"] is not None and row["HQ_low"] is not None and np.isfinite(row["PQ_low"] + row["HQ_low"]):
@@ -96,17 +103,6 @@ def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
         axes.set_anchor("W")  # a centred label would extend beyond the figure
         figure.legend(loc="outside right center")
         return drawing_of(figure)
-
-
-def _regions(axes: "Axes") -> None:
-    halo = {"facecolor": "white", "alpha": 0.65, "linewidth": 0, "pad": 0.8}
-    for edge in (-1, 1):
-        axes.axhline(edge, color="#bbbbbb", linewidth=0.8)
-        axes.axvline(edge, color="#bbbbbb", linewidth=0.8)
-    for along, x in enumerate(CENTRES):
-        for up, y in enumerate(CENTRES):
-            name = REGIONS[along][up].replace(" ", "\n").replace("-", "-\n")
-            axes.text(x, y, name, color="#595959", fontsize=6.5, ha="center", va="center", zorder=1.9, bbox=halo)
 
 
 def crossed_figure(

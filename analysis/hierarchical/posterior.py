@@ -208,19 +208,14 @@ class Laplace:
             n = model.study.n_participants
             value = inner.value + n * half - hessian.half_log_determinant + model.log_prior(hyper)
             covariance = np.asarray(np.linalg.inv(hessian.schur), dtype=np.float64)
-            cells, variances = _cells(model, inner, hessian, covariance)
+            z, x = model.random[:, :2], model.fixed[:, :2]
+            spread = np.linalg.solve(hessian.local[:, :, None], np.swapaxes(z, 1, 2))
+            inside = np.einsum("cdq,nicqd->nicd", z, spread)
+            along = x - np.einsum("cdq,niqp->nicdp", z, hessian.pulled)
+            brought = np.einsum("nicdp,npr,nicdr->nicd", along, covariance, along, optimize=True)
         value = np.where(np.isfinite(value), value, -np.inf)
-        return Conditional(hyper, value, inner.means, covariance, cells, variances, inner.effects)
-
-
-def _cells(model: GroupModel, inner: InnerMode, hessian: Bordered, covariance: Array) -> tuple[Array, Array]:
-    """Return the thresholds and log widths of the cells, with variances."""
-    z, x = model.random[:, :2], model.fixed[:, :2]
-    spread = np.linalg.solve(hessian.local[:, :, None], np.swapaxes(z, 1, 2))
-    inside = np.einsum("cdq,nicqd->nicd", z, spread)
-    along = x - np.einsum("cdq,niqp->nicdp", z, hessian.pulled)
-    brought = np.einsum("nicdp,npr,nicdr->nicd", along, covariance, along, optimize=True)
-    return inner.points[..., :2], inside + brought
+        cells = inner.points[..., :2]
+        return Conditional(hyper, value, inner.means, covariance, cells, inside + brought, inner.effects)
 
 
 def find_mode(laplace: Laplace, hyper: Array) -> tuple[Array, Array]:
@@ -284,10 +279,7 @@ def _log_student(x: Array, mode: Array, covariance: Array) -> Array:
 def integrate(laplace: Laplace, hyper: Array, n_points: int = N_POINTS) -> Integrated:
     """Integrate over the hyperparameters; return points and weights.
 
-    Raises
-    ------
-    LinAlgError
-        With fewer than `FEWEST_EFFECTIVE` effective points.
+    Raises `LinAlgError` with fewer than `FEWEST_EFFECTIVE` effective points.
     """
     proposals, sizes = [find_mode(laplace, hyper)], [max(1, n_points // 2)]
     at = laplace(_student(sizes[0], *proposals[0]))

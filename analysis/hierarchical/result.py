@@ -103,11 +103,8 @@ class HierarchicalFit:
     def contrast(self, weights: Mapping[tuple[float | str, ...], float], *, of: str = "threshold") -> Contrast:
         """Return a weighted sum of conditions, named by their factor values.
 
-        Raises
-        ------
-        InvalidParameter
-            For a condition without a mean, a quantity other than ``threshold`` or ``log_width`` (or a width
-            that is only bounded), or fewer than two participants.
+        Raises `InvalidParameter` for a condition without a mean, a quantity other than ``threshold`` or ``log_width``
+        (or a width that is only bounded), or fewer than two participants.
         """
         keys = self._keys()
         for key in weights:
@@ -130,10 +127,8 @@ class HierarchicalFit:
         corrects both degrees of freedom if the differences between conditions have unequal variances
         (`contrasts.epsilons`).
 
-        Raises
-        ------
-        InvalidParameter
-            For an unknown factor, an incomplete factorial, or conditions that share a width. Also as `contrast`.
+        Raises `InvalidParameter` for an unknown factor, an incomplete factorial, or conditions that share a width. Also
+        as `contrast`.
         """
         weights = self._effect_weights(factors)
         rows = self._rows(weights, of)

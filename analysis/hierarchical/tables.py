@@ -137,15 +137,11 @@ def cell_place(model: GroupModel, found: Integrated, interval: float) -> tuple[P
     draws = draw_cells(model, found)
     is_known = draws.n_effective >= FEWEST_DRAWS
     rates = np.where(is_known, (draws.weights * draws.lapse_rates).sum(axis=0), rates)
-    return _place_of_draws(draws, interval).where(is_known, normal).turned(), rates
-
-
-def _place_of_draws(draws: CellDraws, interval: float) -> ParameterPlace:
     weights = np.broadcast_to(draws.weights[..., None, None], draws.points.shape)
     mean = (weights * draws.points).sum(axis=0)
     se = np.sqrt((weights * np.square(draws.points - mean)).sum(axis=0))
     ends = np.quantile(draws.points, _tails(interval), axis=0, weights=weights, method="inverted_cdf")
-    return ParameterPlace(mean, se, np.moveaxis(ends, 0, -1))
+    return ParameterPlace(mean, se, np.moveaxis(ends, 0, -1)).where(is_known, normal).turned(), rates
 
 
 def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:

@@ -45,14 +45,9 @@ def censored_model(
 ) -> MixedModel:
     """Fit a mixed model with random intercepts to values that may be censored.
 
-    Parameters
-    ----------
-    dependent : str
-        Column of the values; missing if a value is censored.
-    low, high : str
-        Columns of the bounds, used if the value is missing. A missing bound is infinite.
-    factors, covariates, subject, interactions, interval
-        As for `mixed_model`.
+    - `dependent`: Column of the values; missing if a value is censored.
+    - `low`, `high`: Columns of the bounds, used if the value is missing. A missing bound is infinite.
+    - `factors`, `covariates`, `subject`, `interactions`, `interval`: As for `mixed_model`.
 
     Raises
     ------

@@ -92,14 +92,9 @@ def mixed_model(
 
     The model has a random intercept per participant.
 
-    Parameters
-    ----------
-    factors : sequence of str
-        Columns of categories. The base level is the first value, or the one named in `base`.
-    covariates : sequence of str
-        Numeric columns, such as the logarithm of the measured force.
-    interactions : bool
-        Whether to include all interactions of factors and covariates.
+    - `factors`: Columns of categories. The base level is the first value, or the one named in `base`.
+    - `covariates`: Numeric columns, such as the logarithm of the measured force.
+    - `interactions`: Whether to include all interactions of factors and covariates.
 
     Raises
     ------
@@ -210,10 +205,7 @@ def model_design(
 
     Factors have treatment codes.
 
-    Raises
-    ------
-    InvalidParameter
-        As `mixed_model`. Also if a base is not a level, or columns are linearly dependent.
+    Raises `InvalidParameter` as `mixed_model`. Also if a base is not a level, or columns are linearly dependent.
     """
     data = _checked_rows(table, dependent, factors, covariates, subject)
     single = {name: _codes(data, name, base.get(name)) for name in factors}

@@ -95,10 +95,7 @@ class ColumnMap:
 def read_column_map(path: str | Path) -> ColumnMap:
     """Read a column map from TOML with the keys of `ColumnMap`.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, is not TOML, or contains other keys or values.
+    Raises `InvalidFile` if the file cannot be read, is not TOML, or contains other keys or values.
     """
     read = read_toml(ColumnMap, Path(path), "a column map")
     return replace(read, **{key.name: _plain(getattr(read, key.name)) for key in fields(read)})

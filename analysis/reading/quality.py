@@ -127,28 +127,18 @@ def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
 class Exclusion:
     """Rules that exclude trials and participants; None disables a rule.
 
-    Parameters
-    ----------
-    force_in_band_share_min : float, optional
-        Excludes trials in which the force was in the target band for a smaller share of the stimulus.
-    force_deviation_ratio_max : float, optional
-        Excludes trials whose mean force deviates from the target (factor `force_n`) by more than this fraction of the
-        target.
-    latency_min_s : float, optional
-        Excludes trials with a shorter latency.
-    latency_max_s : float, optional
-        Excludes trials with a longer latency.
-    false_alarm_share_max : float, optional
-        Excludes participants with a higher false-alarm rate in catch trials.
-    invalid_share_max : float, optional
-        Excludes participants with a larger share of invalid trials.
-    practice : bool
-        Excludes participants who did not meet the practice criterion.
+    Raises `InvalidParameter` if a bound is not a number of at least 0 (shares: at most 1), or the lowest latency is not
+    below the highest.
 
-    Raises
-    ------
-    InvalidParameter
-        If a bound is not a number of at least 0 (shares: at most 1), or the lowest latency is not below the highest.
+    - `force_in_band_share_min`: Excludes trials in which the force was in the target band for a smaller share of the
+      stimulus.
+    - `force_deviation_ratio_max`: Excludes trials whose mean force deviates from the target (factor `force_n`) by more
+      than this fraction of the target.
+    - `latency_min_s`: Excludes trials with a shorter latency.
+    - `latency_max_s`: Excludes trials with a longer latency.
+    - `false_alarm_share_max`: Excludes participants with a higher false-alarm rate in catch trials.
+    - `invalid_share_max`: Excludes participants with a larger share of invalid trials.
+    - `practice`: Excludes participants who did not meet the practice criterion.
     """
 
     force_in_band_share_min: float | None = None

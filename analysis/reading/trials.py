@@ -92,12 +92,8 @@ def read_trials(
     between ``trial`` and ``procedure``, or the columns in `within` (may be empty). Levels are converted to
     `level_scale` (`on_scale`), or else to the scale of the map.
 
-    Raises
-    ------
-    InvalidFile
-        If there is nothing to read, or a table is damaged. The error names the file, row and column.
-    InvalidParameter
-        If `within` names a missing column, or the levels cannot be converted to the scale.
+    Raises `InvalidFile` if there is nothing to read, or a table is damaged. The error names the file, row and column.
+    Raises `InvalidParameter` if `within` names a missing column, or the levels cannot be converted to the scale.
     """
     path, given, notes = Path(path), column_map or ColumnMap(), list[str]()
     named = [within] if within and isinstance(within, str) else within
@@ -181,7 +177,10 @@ def trials_in(
     same_columns = _with_same_columns if named_by_us else with_all_columns
     tables = same_columns({file: _checked_table(table, file) for file, table in texts.items()})
     for file, table in tables.items() if named_by_us else ():  # other programs name files differently
-        _refuse_other_code(table, file)
+        code = keys_of(file.stem).get("participant")
+        if code is not None:
+            expected = f"{code!r} as in the file name; remove the file if it is a copy"
+            _expect(table, "participant", table["participant"] == code, expected)
         if "rig" in table.columns:
             expect_column(table, "valid", file, "; every table of a session has it")
     rows = pd.concat(tables.values(), ignore_index=True)
@@ -236,14 +235,6 @@ def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.Dat
                 "studies separately"
             )
     return whole
-
-
-def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
-    """Raise if a code differs from the file name, as in a renamed copy."""
-    code = keys_of(file.stem).get("participant")
-    if code is not None:
-        expected = f"{code!r} as in the file name; remove the file if it is a copy"
-        _expect(table, "participant", table["participant"] == code, expected)
 
 
 def _checked_table(raw: pd.DataFrame, file: Path) -> pd.DataFrame:

@@ -40,10 +40,7 @@ COLUMNS = (
 def level_unit(trials: Trials) -> str:
     """Return the common unit of the levels, or "".
 
-    Raises
-    ------
-    InvalidFile
-        If the analysed levels have several units.
+    Raises `InvalidFile` if the analysed levels have several units.
     """
     if UNIT not in trials.rows.columns:
         return ""
@@ -95,10 +92,7 @@ def alternatives(answers: pd.DataFrame, factors: Sequence[str]) -> "pd.Series[fl
     condition may lack the overall highest interval by chance (probability above `BY_CHANCE`), it has the overall
     number.
 
-    Raises
-    ------
-    InvalidFile
-        If `n_alternatives` varies within a condition.
+    Raises `InvalidFile` if `n_alternatives` varies within a condition.
     """
     number = pd.Series(2.0, index=answers.index)
     rows = answers[answers["task"].isin(CHOICES)]

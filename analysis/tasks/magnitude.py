@@ -50,10 +50,7 @@ def magnitude_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
     Numbers of 0 (not felt) are omitted and counted.
 
-    Raises
-    ------
-    InvalidFile
-        For a level not above 0 in a unit other than decibels.
+    Raises `InvalidFile` for a level not above 0 in a unit other than decibels.
     """
     return by_condition(_ratings(rows), ["participant", *factors], _row)
 

@@ -28,10 +28,7 @@ def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> 
 def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Return mean `loss` and force by participant and condition.
 
-    Raises
-    ------
-    InvalidFile
-        If a stated amplitude is 0.
+    Raises `InvalidFile` if a stated amplitude is 0.
     """
     if any(name not in rows.columns for name in NEEDED):
         return pd.DataFrame()

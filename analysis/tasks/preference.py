@@ -46,15 +46,10 @@ def bradley_terry(
 ) -> pd.DataFrame:
     """Estimate the worths of items of paired comparisons.
 
-    Parameters
-    ----------
-    first, second : (n_trials,) sequence of str
-        First and second item of each pair, which must differ.
-    preferred : (n_trials,) sequence of int
-        1 if the first item was preferred, 2 if the second was preferred.
-    participants : (n_trials,) sequence of str, optional
-        With at least 5 participants, standard errors are clustered by participant (Liang and Zeger's sandwich
-        estimator), and intervals use t with n - 1 degrees of freedom. Otherwise answers count as independent.
+    - `first`, `second`: First and second item of each pair, which must differ.
+    - `preferred`: 1 if the first item was preferred, 2 if the second was preferred.
+    - `participants`: With at least 5 participants, standard errors are clustered by participant (Liang and Zeger's
+      sandwich estimator), and intervals use t with n - 1 degrees of freedom. Otherwise answers count as independent.
 
     Returns
     -------
@@ -134,10 +129,7 @@ def _fit_worths(
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Return worths by condition, followed by the effect of order.
 
-    Raises
-    ------
-    InvalidFile
-        If the table does not state which items were compared.
+    Raises `InvalidFile` if the table does not state which items were compared.
     """
     _check_pairs(rows)
     varied = [name for name in factors if rows[name].nunique() > 1]
@@ -166,10 +158,7 @@ def _check_pairs(rows: pd.DataFrame) -> None:
 def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Return the share of pairs in which each item was preferred.
 
-    Raises
-    ------
-    InvalidFile
-        As `preference_table`.
+    Raises `InvalidFile` as `preference_table`.
     """
     worths = preference_table(rows, factors)
     conditions = list(worths.columns[: worths.columns.get_loc("item")])

@@ -26,10 +26,7 @@ def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int,
     The false-alarm rate is 2 Phi(-k / sqrt 2), the hit rate Phi((d' - k) / sqrt 2) + Phi((-d' - k) / sqrt 2). Both
     rates use the log-linear correction. d' is 0 if different pairs are not called different more often than same pairs.
 
-    Raises
-    ------
-    InvalidParameter
-        If a count is negative or above its number of trials, or there are no trials.
+    Raises `InvalidParameter` if a count is negative or above its number of trials, or there are no trials.
     """
     from scipy.optimize import brentq  # slow to load
 
@@ -51,10 +48,7 @@ def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, 
     The observer classifies each sensation separately. d' = 2 z((1 + sqrt(2 p - 1)) / 2), where p = Phi((z(H) - z(F)) /
     2) is the unbiased rate correct.
 
-    Raises
-    ------
-    InvalidParameter
-        As `differencing_sensitivity`.
+    Raises `InvalidParameter` as `differencing_sensitivity`.
     """
     hit, false_alarm = _rates(n_hits, n_different, n_false_alarms, n_same)
     correct = ndtr((hit - false_alarm) / 2)

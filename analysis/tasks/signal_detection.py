@@ -102,10 +102,7 @@ class IntervalBias(NamedTuple):
 def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals: int = 2) -> IntervalBias:
     """Summarise a forced choice from targets and responses (from 1).
 
-    Raises
-    ------
-    InvalidParameter
-        If there are no trials, or an interval does not exist.
+    Raises `InvalidParameter` if there are no trials, or an interval does not exist.
     """
     table = _choices(targets, responses, n_intervals)
     n_target, n_correct = table.sum(axis=1), table.diagonal()

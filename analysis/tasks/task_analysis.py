@@ -25,22 +25,14 @@ DIFFERENCE_PER_WIDTH = JND_PER_SD / SHAPES[SHAPE].z_width
 class Curve:
     """Psychometric function of a task.
 
-    Parameters
-    ----------
-    rate_label, success : str
-        Label of the rate on an axis, and name of a success in a caption.
-    options : callable
-        Returns the options of the fit from the number of alternatives and the unit of the levels.
-    scored_by : str
-        Column that is 1 for a success and 0 otherwise.
-    has_difference : bool
-        True if the threshold is a point of subjective equality and the width a just noticeable difference.
-    counts_catch : bool
-        True if catch trials inform the guess rate.
-    methods : str
-        Sentence of the methods section, which may contain ``{guess_rate}``.
-    estimate : str
-        Point estimate of the threshold. In forced choice the mode is biased upwards by lapses.
+    - `rate_label`, `success`: Label of the rate on an axis, and name of a success in a caption.
+    - `options`: Returns the options of the fit from the number of alternatives and the unit of the levels.
+    - `scored_by`: Column that is 1 for a success and 0 otherwise.
+    - `has_difference`: True if the threshold is a point of subjective equality and the width a just noticeable
+      difference.
+    - `counts_catch`: True if catch trials inform the guess rate.
+    - `methods`: Sentence of the methods section, which may contain ``{guess_rate}``.
+    - `estimate`: Point estimate of the threshold. In forced choice the mode is biased upwards by lapses.
     """
 
     rate_label: str
@@ -77,27 +69,17 @@ def detection(unit: str, guess_rate: float | None) -> Mapping[str, Any]:
 class Results:
     """Results of a task without a curve.
 
-    Parameters
-    ----------
-    tables : mapping of str to callable
-        Functions by table name, which make a table from the used rows of the task and the factors.
-    methods : str
-        Sentences of the methods section.
-    works : tuple of str
-        References that `methods` cites.
-    dependent : str
-        Column that is compared between conditions, or "".
-    compared : str
-        Name of the table with that column and one row per participant and condition. The default is the name of the
-        task.
-    further : tuple of str
-        Columns of that table that count as conditions in addition to the factors.
-    in_levels : bool
-        True if the dependent variable (and so an equivalence bound) is in the unit of the levels.
-    title, lead, in_terminal : str
-        Heading and first sentence on the page, and title in the terminal, of a table that is shown directly.
-    view : callable
-        Formats the table for readers, given the table, the trials and the unit of the levels.
+    - `tables`: Functions by table name, which make a table from the used rows of the task and the factors.
+    - `methods`: Sentences of the methods section.
+    - `works`: References that `methods` cites.
+    - `dependent`: Column that is compared between conditions, or "".
+    - `compared`: Name of the table with that column and one row per participant and condition. The default is the name
+      of the task.
+    - `further`: Columns of that table that count as conditions in addition to the factors.
+    - `in_levels`: True if the dependent variable (and so an equivalence bound) is in the unit of the levels.
+    - `title`, `lead`, `in_terminal`: Heading and first sentence on the page, and title in the terminal, of a table that
+      is shown directly.
+    - `view`: Formats the table for readers, given the table, the trials and the unit of the levels.
     """
 
     tables: Mapping[str, Callable[[pd.DataFrame, Sequence[str]], pd.DataFrame]]
@@ -117,17 +99,11 @@ class Results:
 class TaskAnalysis:
     """Text and analysis of a task.
 
-    Parameters
-    ----------
-    course : str
-        Course of a trial, as a sentence without full stop.
-    r_model : str
-        Model of the answers in R. ``{data}`` is the table, ``{times}`` crosses the level with the factors, ``{plus}``
-        is the sum of the factors, ``{n_choices}`` the number of alternatives.
-    curve : Curve, optional
-        Psychometric function to fit.
-    results : Results, optional
-        Results of a task without a curve.
+    - `course`: Course of a trial, as a sentence without full stop.
+    - `r_model`: Model of the answers in R. ``{data}`` is the table, ``{times}`` crosses the level with the factors,
+      ``{plus}`` is the sum of the factors, ``{n_choices}`` the number of alternatives.
+    - `curve`: Psychometric function to fit.
+    - `results`: Results of a task without a curve.
     """
 
     course: str

@@ -41,16 +41,10 @@ def curve_band(
 ) -> CurveBand | None:
     """Return the posterior band of a psychometric function at levels `at`.
 
-    Parameters
-    ----------
-    levels, n_correct, n_trials : (n_levels,) array_like
-        As for `fit`. With fewer than two levels the result is None.
-    at : (n,) array_like
-        Levels at which to compute the band, in the same unit.
-    interval : float
-        Coverage at each level, between 0 and 1.
-    **options
-        ``shape``, ``guess_rate`` and the other options of `log_posterior`.
+    - `levels`, `n_correct`, `n_trials`: As for `fit`. With fewer than two levels the result is None.
+    - `at`: Levels at which to compute the band, in the same unit.
+    - `interval`: Coverage at each level, between 0 and 1.
+    - `**options`: ``shape``, ``guess_rate`` and the other options of `log_posterior`.
 
     Examples
     --------

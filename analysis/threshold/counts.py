@@ -49,10 +49,7 @@ def count_arrays(
 
     With `logarithms` the levels are replaced by their logarithms. Values without trials are 0.
 
-    Raises
-    ------
-    InvalidParameter
-        For an invalid value. The error names the row (and the data set) of the first one.
+    Raises `InvalidParameter` for an invalid value. The error names the row (and the data set) of the first one.
     """
     x = _numbers("levels", levels)
     k = _numbers("n_correct", n_correct)

@@ -333,7 +333,12 @@ def spline_integral(n_nodes: int) -> tuple[Array, Array]:
     The weights (n_nodes, n_places) are those of a cubic spline without knots at the second and the second to last
     node. The tests compare it with `scipy.interpolate`, which is slow to load.
     """
-    values, moments = np.eye(n_nodes), _second_derivatives(n_nodes)
+    inner = np.arange(1, n_nodes - 1)
+    left, right = np.zeros((2, n_nodes, n_nodes))
+    for offset, of_moment, of_value in ((-1, 1, 6), (0, 4, -12), (1, 1, 6)):
+        left[inner, inner + offset], right[inner, inner + offset] = of_moment, of_value
+    left[0, :3] = left[-1, -3:] = 1, -2, 1
+    values, moments = np.eye(n_nodes), np.asarray(np.linalg.solve(left, right), dtype=np.float64)
     steps = (values[:-1] + values[1:]) / 2 - (moments[:-1] + moments[1:]) / 24
     before = np.concatenate([np.zeros((1, n_nodes)), steps.cumsum(axis=0)])
     places = np.linspace(0, n_nodes - 1, FINE * n_nodes)
@@ -342,13 +347,3 @@ def spline_integral(n_nodes: int) -> tuple[Array, Array]:
     integral = before[node] + values[node] * (t - t**2 / 2) + values[node + 1] * t**2 / 2
     integral -= moments[node] * (t**2 - t**3 + t**4 / 4) / 6 + moments[node + 1] * (t**2 / 2 - t**4 / 4) / 6
     return places, np.ascontiguousarray(integral.T)
-
-
-def _second_derivatives(n_nodes: int) -> Array:
-    """Return the matrix from spline values to second derivatives at nodes."""
-    inner = np.arange(1, n_nodes - 1)
-    left, right = np.zeros((2, n_nodes, n_nodes))
-    for offset, of_moment, of_value in ((-1, 1, 6), (0, 4, -12), (1, 1, 6)):
-        left[inner, inner + offset], right[inner, inner + offset] = of_moment, of_value
-    left[0, :3] = left[-1, -3:] = 1, -2, 1
-    return np.asarray(np.linalg.solve(left, right), dtype=np.float64)

@@ -77,7 +77,12 @@ def _marginals_on_grid(posterior: LogPosterior, mode: Mode, interval: float) -> 
     log_evidence = log_total - prior.log_mass()
     no_box = np.full(mean.shape, np.nan)
     shared = Marginals(mean, threshold, width, np.zeros(len(mean)), log_evidence, beyond, no_box, no_box)
-    return shared, _is_resolved(prior, grid, along)
+    resolved = np.ones(len(along[0]), dtype=bool)
+    for place in prior.free:
+        nodes, is_rate = grid.nodes[place], place in (LAPSE, GUESS)
+        finest = RESOLVED_RATE * nodes[-1] if is_rate else RESOLVED_STEPS * (nodes[1] - nodes[0])
+        resolved &= _spread(along[place], nodes) > finest
+    return shared, resolved
 
 
 def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
@@ -86,18 +91,13 @@ def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
     for _ in range(2):  # the first search covers the priors, the second the range found by the first
         axes = prior.search_axes(low, high, SEARCH_NODES)
         low, high = _ends(posterior, mode, Grid(axes, [np.zeros(len(axis)) for axis in axes], 0.0))
-    return _final_grid(prior, low, high, _sizes(mode, high - low))
-
-
-def _sizes(mode: Mode, reach: Array) -> list[int]:
-    """Return the numbers of nodes for threshold and log width."""
     sizes, sd = [], mode.sd
     for place, most in zip((THRESHOLD, LOG_WIDTH), MOST_NODES, strict=True):
         known = sd[sd[:, place] > 0, place]  # a mode on a bound has no SD
         typical = float(np.quantile(known, TYPICAL)) if len(known) else 1.0
-        n_steps = reach[place] / (STEP_SD * typical)
+        n_steps = (high - low)[place] / (STEP_SD * typical)
         sizes.append(int(np.clip(n_steps, FEWEST_NODES, most)))
-    return sizes
+    return _final_grid(prior, low, high, sizes)
 
 
 def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid:
@@ -178,15 +178,6 @@ def marginal_masses(posterior: LogPosterior, grid: Grid) -> tuple[list[Array], A
         chunks.append((*along, log_total, flat @ beyond / total[:, None]))
     columns = [np.concatenate(column).astype(np.float64) for column in zip(*chunks, strict=True)]
     return columns[:N_PARAMETERS], columns[-2], columns[-1]
-
-
-def _is_resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:
-    resolved = np.ones(len(along[0]), dtype=bool)
-    for place in prior.free:
-        nodes, is_rate = grid.nodes[place], place in (LAPSE, GUESS)
-        finest = RESOLVED_RATE * nodes[-1] if is_rate else RESOLVED_STEPS * (nodes[1] - nodes[0])
-        resolved &= _spread(along[place], nodes) > finest
-    return resolved
 
 
 def _spread(mass: Array, nodes: Array) -> Array:

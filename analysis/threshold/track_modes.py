@@ -43,17 +43,11 @@ def fit_modes(
 ) -> TrackModes:
     """Find the mode of each track's posterior.
 
-    Parameters
-    ----------
-    levels, answers : (n_sets, n_trials) array
-        The level of each trial and its answer, 1 or 0. Trials with the level NaN are ignored.
-    shape, guess_rate, lapse_rate, scale_free_width
-        As for `tactometry.analysis.threshold.fitting.fit`. The shape must use levels, not their logarithms.
+    Raises `InvalidParameter` if a rate is out of range, arrays do not match, or an answer is neither 1 nor 0.
 
-    Raises
-    ------
-    InvalidParameter
-        If a rate is out of range, arrays do not match, or an answer is neither 1 nor 0.
+    - `levels`, `answers`: The level of each trial and its answer, 1 or 0. Trials with the level NaN are ignored.
+    - `shape`, `guess_rate`, `lapse_rate`, `scale_free_width`: As for `tactometry.analysis.threshold.fitting.fit`. The
+      shape must use levels, not their logarithms.
 
     >>> x = np.tile([10.0, 14.0, 18.0, 22.0, 26.0], (1, 8))
     >>> found = fit_modes(x, x > [[16.0] * 20 + [20.0] * 20], shape="normal", guess_rate=0.0, lapse_rate=0.02)

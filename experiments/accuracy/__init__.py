@@ -4,9 +4,10 @@ Each problem is a function in `problems` and has one line in this file.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..harness import item
+from tactometry.loading import resolve
 
 if TYPE_CHECKING:
     from .problem import Problem
@@ -45,5 +46,5 @@ PROBLEMS: Mapping[str, str] = {
 
 def problem_of(name: str) -> "Problem":
     """Return a problem by its name."""
-    problem: Problem = item(PROBLEMS, name, made=True)
-    return problem
+    problem: Problem = resolve(PROBLEMS[name])()
+    return replace(problem, name=name)

@@ -91,14 +91,10 @@ class AccuracyCurve:
 def measure(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], float] | None = None) -> AccuracyCurve:
     """Measure all settings of a problem on one thread.
 
-    Parameters
-    ----------
-    n_rounds : int
-        Number of warm calls of each setting whose price is computing time. With 0, the time is that of the first call,
-        and memory is 0.
-    cold_s : callable, optional
-        Function that returns the time (s) of a setting's first call in a separate process, given its index. By default,
-        the first call is timed in this process.
+    - `n_rounds`: Number of warm calls of each setting whose price is computing time. With 0, the time is that of the
+      first call, and memory is 0.
+    - `cold_s`: Function that returns the time (s) of a setting's first call in a separate process, given its index. By
+      default, the first call is timed in this process.
     """
     from threadpoolctl import threadpool_limits
 

@@ -34,20 +34,11 @@ class Reference:
 class Problem:
     """Workload with settings from coarse to fine, grouped by contender.
 
-    Parameters
-    ----------
-    title : str
-    reference : Reference
-        Reference result, from a different method than the settings if possible.
-    error : callable
-        Function of a result and the reference that returns the relative error. `title` states the norm.
-    settings : tuple of Setting
-    price : str
-        Name of the price, with its unit.
-    name : str
-        Key in `PROBLEMS`.
-    independent : Reference, optional
-        Result of another method, given if the reference is our own method at its finest setting.
+    - `reference`: Reference result, from a different method than the settings if possible.
+    - `error`: Function of a result and the reference that returns the relative error. `title` states the norm.
+    - `price`: Name of the price, with its unit.
+    - `name`: Key in `PROBLEMS`.
+    - `independent`: Result of another method, given if the reference is our own method at its finest setting.
     """
 
     title: str

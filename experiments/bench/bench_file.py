@@ -43,24 +43,14 @@ class Devices:
 class BenchFile:
     """Contents of a bench file. The tighter limits of bench and study apply.
 
-    Parameters
-    ----------
-    screen : DisplayTable
-        Screen on which the participant reads and answers.
-    output : OutputPart
-        Device that plays the stimuli.
-    limits : Limits, optional
-        Limits for every signal. Required if an output is connected.
-    sensors : mapping of str to SensorPart
-        Sensors by name. You choose the names.
-    force : ForcePart, optional
-        Force sensor and its calibration. Required if an output is connected, unless the output is `ungated`.
-    position : PositionPart, optional
-        Sensor of the finger's position, with its calibration.
-    time_reversal : Learnt, optional
-        Measured impulse responses of this bench. They replace those of the model.
-    traces : TracesTable
-        Kinds of samples that a session stores.
+    - `screen`: Screen on which the participant reads and answers.
+    - `output`: Device that plays the stimuli.
+    - `limits`: Limits for every signal. Required if an output is connected.
+    - `sensors`: Sensors by name. You choose the names.
+    - `force`: Force sensor and its calibration. Required if an output is connected, unless the output is `ungated`.
+    - `position`: Sensor of the finger's position, with its calibration.
+    - `time_reversal`: Measured impulse responses of this bench. They replace those of the model.
+    - `traces`: Kinds of samples that a session stores.
     """
 
     screen: DisplayTable = field(default_factory=DisplayTable)
@@ -88,12 +78,8 @@ class BenchFile:
 
         `touched` states whether a finger will touch the surface.
 
-        Raises
-        ------
-        InvalidParameter
-            If a sensor has no such channel, or no sensor gates a connected output that is touched.
-        DeviceFailed
-            If a calibration is older than the file allows, or was not made with this output.
+        Raises `InvalidParameter` if a sensor has no such channel, or no sensor gates a connected output that is
+        touched. Raises `DeviceFailed` if a calibration is older than the file allows, or was not made with this output.
         """
         if touched:  # checked before any driver is created
             self.check_gate()
@@ -114,10 +100,8 @@ class BenchFile:
     def check_gate(self) -> None:
         """Reject a connected output that no sensor can stop.
 
-        Raises
-        ------
-        InvalidParameter
-            If neither a force sensor nor `ungated` is stated, or both are, or the sensor is a recording.
+        Raises `InvalidParameter` if neither a force sensor nor `ungated` is stated, or both are, or the sensor is a
+        recording.
         """
         if not self.output.settings.connected:
             return
@@ -229,10 +213,7 @@ def _provenance(measured: Measured) -> str | None:
 def load_bench(path: Path | None) -> BenchFile:
     """Read a bench file, or return the default bench without one.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, or a key or value is invalid.
+    Raises `InvalidFile` if the file cannot be read, or a key or value is invalid.
     """
     if path is None:
         return BenchFile()
@@ -244,10 +225,7 @@ def load_bench(path: Path | None) -> BenchFile:
 def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
     """Build a bench from the tables of its file.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key or value is invalid; the message starts with the key path.
+    Raises `InvalidParameter` if a key or value is invalid; the message starts with the key path.
 
     Examples
     --------

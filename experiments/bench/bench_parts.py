@@ -30,22 +30,13 @@ default)."""
 class DisplayTable:
     """The participant's screen: full screen or a window.
 
-    Parameters
-    ----------
-    fullscreen : bool
-        Use the whole screen instead of a window.
-    width_px : int
-        Width of the window.
-    height_px : int
-        Height of the window.
-    height_m : float, optional
-        Height of the screen, measured with `tactometry calibrate display`.
-    language : str
-        Language of the participant's pages.
-    dry_run : bool
-        Show each kind of touch and let the participant try it without a stimulus, before the first trial.
-    screen : int
-        Number of the screen, counted from 0.
+    - `fullscreen`: Use the whole screen instead of a window.
+    - `width_px`: Width of the window.
+    - `height_px`: Height of the window.
+    - `height_m`: Height of the screen, measured with `tactometry calibrate display`.
+    - `language`: Language of the participant's pages.
+    - `dry_run`: Show each kind of touch and let the participant try it without a stimulus, before the first trial.
+    - `screen`: Number of the screen, counted from 0.
     """
 
     fullscreen: bool = True
@@ -62,12 +53,7 @@ class DisplayTable:
     def window(self) -> "Window":
         """Open the participant's window.
 
-        Raises
-        ------
-        InvalidParameter
-            If the screen is not connected.
-        DeviceFailed
-            If the window does not open.
+        Raises `InvalidParameter` if the screen is not connected. Raises `DeviceFailed` if the window does not open.
         """
         from tactometry.rigs.window import Window
 
@@ -79,18 +65,11 @@ class DisplayTable:
 class OutputPart:
     """The output device, its gain and load, and the ramps of its signals.
 
-    Parameters
-    ----------
-    settings : OutputSettings
-        Settings of the device.
-    gain : Gain, optional
-        Voltage at the load for a sample value of 1. Required if an amplifier is connected.
-    load : Load, optional
-        Electrical load of the output.
-    ramp_s : float
-        Duration of the ramps at both ends of each signal. 0 for a one-bit `packed` output.
-    ungated : bool
-        Allow the output to play under a finger without a force sensor.
+    - `settings`: Settings of the device.
+    - `gain`: Voltage at the load for a sample value of 1. Required if an amplifier is connected.
+    - `load`: Electrical load of the output.
+    - `ramp_s`: Duration of the ramps at both ends of each signal. 0 for a one-bit `packed` output.
+    - `ungated`: Allow the output to play under a finger without a force sensor.
     """
 
     settings: OutputSettings = field(default_factory=NullSettings)
@@ -109,12 +88,8 @@ class OutputPart:
 class SensorPart:
     """A sensor and the delay of its time stamps.
 
-    Parameters
-    ----------
-    settings : SensorSettings
-        Settings of the device.
-    delay_s : float
-        Measured delay of the time stamps after the event.
+    - `settings`: Settings of the device.
+    - `delay_s`: Measured delay of the time stamps after the event.
     """
 
     settings: SensorSettings
@@ -128,16 +103,10 @@ class SensorPart:
 class ForcePart:
     """The force: one channel of a sensor, with its calibration.
 
-    Parameters
-    ----------
-    sensor : str
-        Name of a sensor in `[sensors]`.
-    calibration : ForceCalibration
-        Conversion of counts to newtons.
-    channel : int
-        Channel of the sensor, from 0.
-    release : bool
-        True if the force must leave its band between touches.
+    - `sensor`: Name of a sensor in `[sensors]`.
+    - `calibration`: Conversion of counts to newtons.
+    - `channel`: Channel of the sensor, from 0.
+    - `release`: True if the force must leave its band between touches.
     """
 
     sensor: str
@@ -151,20 +120,13 @@ class ForcePart:
 class PositionPart:
     """The finger's position: one channel of a sensor for each axis.
 
-    Parameters
-    ----------
-    sensor : str
-        Name of a sensor in `[sensors]`.
-    channels : tuple of int
-        Channels of the sensor, from 0, one for each axis. A slide's path lies along the first axis.
-    metres_per_count : float
-        Scale of the counts. Negative if the counts decrease along the path.
-    zero_counts : tuple of float
-        Counts of each channel at position 0, which is the start of a slide's path.
-    count_low : float, optional
-        Lowest count that is a position. Samples with lower counts are missing.
-    count_high : float, optional
-        Highest count that is a position, such as 254 if 255 means overload. Samples with higher counts are missing.
+    - `sensor`: Name of a sensor in `[sensors]`.
+    - `channels`: Channels of the sensor, from 0, one for each axis. A slide's path lies along the first axis.
+    - `metres_per_count`: Scale of the counts. Negative if the counts decrease along the path.
+    - `zero_counts`: Counts of each channel at position 0, which is the start of a slide's path.
+    - `count_low`: Lowest count that is a position. Samples with lower counts are missing.
+    - `count_high`: Highest count that is a position, such as 254 if 255 means overload. Samples with higher counts are
+      missing.
     """
 
     sensor: str
@@ -187,10 +149,7 @@ class PositionPart:
 class Learnt:
     """Measured impulse responses of this bench.
 
-    Parameters
-    ----------
-    responses : str
-        File written by `tactometry calibrate responses`.
+    - `responses`: File written by `tactometry calibrate responses`.
     """
 
     responses: str
@@ -200,14 +159,9 @@ class Learnt:
 class TracesTable:
     """Kinds of samples that are stored for each touch.
 
-    Parameters
-    ----------
-    force : bool
-        Store samples of the force sensor.
-    position : bool
-        Store samples of the position sensor.
-    emitted : bool
-        Store the emitted signal if it followed the finger.
+    - `force`: Store samples of the force sensor.
+    - `position`: Store samples of the position sensor.
+    - `emitted`: Store the emitted signal if it followed the finger.
     """
 
     force: bool = True

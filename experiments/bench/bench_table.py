@@ -60,12 +60,8 @@ def write_values(path: Path, name: str, values: Mapping[str, object]) -> None:
 
     The file is replaced as a whole or not at all.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, or would be invalid with these keys.
-    DeviceFailed
-        If the file cannot be written.
+    Raises `InvalidFile` if the file cannot be read, or would be invalid with these keys. Raises `DeviceFailed` if the
+    file cannot be written.
     """
     file = path.resolve()  # write to the target of a link, not over the link
     before = read_file(file, "a bench file", LARGEST_FILE).decode("utf-8-sig")

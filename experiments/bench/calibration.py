@@ -61,11 +61,9 @@ def fit_force(
 ) -> ForceFit:
     """Fit the force of weights over a sensor's counts by least squares.
 
-    Raises
-    ------
-    InvalidParameter
-        If there are fewer than `degree` + 2 weights, a number is not finite, or a mass is below 0. Also if the counts
-        neither rise nor fall with the weights, or a residual exceeds `residual_at_most` of the largest force.
+    Raises `InvalidParameter` if there are fewer than `degree` + 2 weights, a number is not finite, or a mass is below
+    0. Also if the counts neither rise nor fall with the weights, or a residual exceeds `residual_at_most` of the
+    largest force.
 
     Examples
     --------
@@ -108,11 +106,8 @@ class GainFit(NamedTuple):
 def fit_gain(units: Sequence[float], volts: Sequence[float], *, residual_at_most: float = RESIDUAL_AT_MOST) -> GainFit:
     """Fit a line through zero by least squares.
 
-    Raises
-    ------
-    InvalidParameter
-        If there are fewer than two points, a value is not above 0, or a point is off the line by more than the share
-        `residual_at_most`.
+    Raises `InvalidParameter` if there are fewer than two points, a value is not above 0, or a point is off the line by
+    more than the share `residual_at_most`.
 
     Examples
     --------
@@ -137,10 +132,7 @@ def fit_gain(units: Sequence[float], volts: Sequence[float], *, residual_at_most
 def show_bar(screen: Display) -> None:
     """Show a bar to measure, until a key is pressed or the screen touched.
 
-    Raises
-    ------
-    Stopped
-        If Escape was pressed or the window was closed.
+    Raises `Stopped` if Escape was pressed or the window was closed.
     """
     page = bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), screen.aspect, BAR_PART)
     Presenter(screen, _give_up).converse(None, lambda state: page, lambda state, answer: (state, True))
@@ -178,12 +170,7 @@ def force_values(fit: ForceFit, sensor: str, channel: int, on: date, by: str) ->
 def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
     """Average a channel of an open reader, starting at its first sample.
 
-    Raises
-    ------
-    InvalidParameter
-        If the sensor has no such channel.
-    DeviceFailed
-        If the sensor sends nothing.
+    Raises `InvalidParameter` if the sensor has no such channel. Raises `DeviceFailed` if the sensor sends nothing.
     """
     reader.check_channels("channel", channel)
     listener = reader.listen()

@@ -120,10 +120,7 @@ def repeatable(
 ) -> Iterator[tuple[Heard, Quality]]:
     """Yield each channel's responses and quality. Reject a low repeatability.
 
-    Raises
-    ------
-    DeviceFailed
-        If the repeatability of a channel is below `at_least`.
+    Raises `DeviceFailed` if the repeatability of a channel is below `at_least`.
     """
     for channel, each in heard:
         found = quality(each, band_hz)
@@ -138,12 +135,8 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
 
     The silence is recorded first. The devices must be open.
 
-    Raises
-    ------
-    DeviceFailed
-        If samples were lost or clipped, playback had gaps, nothing was recorded, or the sampling rates differ.
-    LimitExceeded
-        If the excitation exceeds a limit.
+    Raises `DeviceFailed` if samples were lost or clipped, playback had gaps, nothing was recorded, or the sampling
+    rates differ. Raises `LimitExceeded` if the excitation exceeds a limit.
     """
     rate_hz = microphone.reader.source.rate_hz
     excitation_hz, output_hz = learning.excitation.rate_hz, output.driver.rate_hz

@@ -43,16 +43,10 @@ def check(
 ) -> list[Finding]:
     """Run all checks in turn, and return each result as a finding.
 
-    Parameters
-    ----------
-    study : str, optional
-        Name or path of a study. Its limits apply in addition to those of the bench.
-    folder : Path
-        Folder for the data.
-    hands_off : bool
-        True if the experimenter stated that nobody touches the surface. Required for a connected output.
-    allow_code : bool
-        True if custom code named by the study may run.
+    - `study`: Name or path of a study. Its limits apply in addition to those of the bench.
+    - `folder`: Folder for the data.
+    - `hands_off`: True if the experimenter stated that nobody touches the surface. Required for a connected output.
+    - `allow_code`: True if custom code named by the study may run.
     """
     findings, experiment = _study(study, allow_code=allow_code) if study is not None else ([], None)
     limits = experiment.study.limits if experiment is not None else bench.limits

@@ -235,24 +235,16 @@ def _at_rest(sensor: StreamedSensor, part: PositionPart, slides: list[Sliding]) 
     if not is_known.any():
         return
     known_m = places_m[is_known]
-    yield from _at_full_scale(known_m / part.metres_per_count + (part.zero_counts or 0.0))
-    yield Finding("position", "mean, at rest", f"{_in_mm(known_m.mean(axis=0))} mm")
-    yield Finding("position", "noise, sd", f"{_in_mm(known_m.std(axis=0))} mm")
-    yield _speed(fastest_m_per_s(times_s, places_m[:, 0]), slides)
-
-
-def _at_full_scale(counts: FloatArray) -> Iterator[Finding]:
-    """Yield a finding if samples have the largest count of the sensor.
-
-    Sensors with few bits send that count at overload or without a finger.
-    """
-    for axis in np.rint(counts).T:
+    for axis in np.rint(known_m / part.metres_per_count + (part.zero_counts or 0.0)).T:
         bits = int(axis.max()).bit_length() if axis.max() > 0 else 0
         if bits in FEW_BITS and axis.max() == 2**bits - 1:
             n_full = int((axis == axis.max()).sum())
             found = f"{n_full} of {len(axis)} at {axis.max():g}, the largest of {bits} bits"
             expected = f"none; if this count means overload, write count_high = {axis.max() - 1:g}"
             yield Finding("position", "counts at full scale", found, expected, fine=False, device=True)
+    yield Finding("position", "mean, at rest", f"{_in_mm(known_m.mean(axis=0))} mm")
+    yield Finding("position", "noise, sd", f"{_in_mm(known_m.std(axis=0))} mm")
+    yield _speed(fastest_m_per_s(times_s, places_m[:, 0]), slides)
 
 
 def _speed(found_m_per_s: float | None, slides: list[Sliding]) -> Finding:

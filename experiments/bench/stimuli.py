@@ -130,10 +130,8 @@ def board_of(output: OutputPart) -> Board | None:
 def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
     """Return the stimuli by name, as this bench plays them.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        If learned responses cannot be read or do not suit a stimulus, or the board cannot switch a stimulus.
+    Raises `InvalidFile` or `InvalidParameter` if learned responses cannot be read or do not suit a stimulus, or the
+    board cannot switch a stimulus.
     """
     bank, board = bank_of(experiment, bench.time_reversal), board_of(bench.output)
     if board is None:
@@ -151,12 +149,8 @@ def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
 def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:
     """Return the stimuli by name, on plates computed from learned responses.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read.
-    InvalidParameter
-        If the responses do not suit a stimulus, or its highest level exceeds the amplifier.
+    Raises `InvalidFile` if the file cannot be read. Raises `InvalidParameter` if the responses do not suit a stimulus,
+    or its highest level exceeds the amplifier.
     """
     if learnt is None:
         return experiment.bank
@@ -200,12 +194,8 @@ def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
 def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices) -> None:
     """Reject a texture that the position sensor or output cannot follow.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no position sensor, or it is a recording, or too slow for the texture at the speed of the touch.
-    DeviceFailed
-        If the output accepts no signal that follows a finger.
+    Raises `InvalidParameter` if there is no position sensor, or it is a recording, or too slow for the texture at the
+    speed of the touch. Raises `DeviceFailed` if the output accepts no signal that follows a finger.
     """
     driver = devices.output.driver
     for cell in experiment.cells.values() if driver.emits else ():

@@ -105,10 +105,7 @@ class TrackRun:
 
     Each file contains `n_together` batches.
 
-    Raises
-    ------
-    InvalidParameter
-        If a number is below 1.
+    Raises `InvalidParameter` if a number is below 1.
     """
 
     rule: Rule[Any]
@@ -147,19 +144,11 @@ def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spr
     Each row is a track: its true threshold, the code of its ending, and its fit. All files together are one data set:
     ``pandas.read_parquet(root / "tracks")``.
 
-    Parameters
-    ----------
-    root : Path
-        Output folder, created if missing.
-    resume : bool
-        Continue an interrupted run and keep its complete files.
+    Raises `InvalidFile` if the folder contains another run, or contains this run and `resume` is False. Raises
+    `DeviceFailed` if pyarrow (extra: power) is not installed.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder contains another run, or contains this run and `resume` is False.
-    DeviceFailed
-        If pyarrow (extra: power) is not installed.
+    - `root`: Output folder, created if missing.
+    - `resume`: Continue an interrupted run and keep its complete files.
     """
     arrow("tracks")
     prepare(root, run.asked, "run of tracks", resume=resume)

@@ -36,10 +36,7 @@ TERMS = ("https://www.cognitiveatlas.org", "http://www.cogpo.org")
 def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str, bytes]:
     """Return the BIDS files by path. Equal data give equal bytes.
 
-    Raises
-    ------
-    InvalidParameter
-        If a column cannot be named in BIDS.
+    Raises `InvalidParameter` if a column cannot be named in BIDS.
     """
     files = _heading(source, authors)
     for participant, session, rows in source.sessions():

@@ -68,12 +68,8 @@ class Erased:
 def find(root: Path, participant: str) -> Erased:
     """List what an erasure would remove, without removing it.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder is not a data set or cannot be read completely.
-    InvalidParameter
-        If it contains no files of the participant.
+    Raises `InvalidFile` if the folder is not a data set or cannot be read completely. Raises `InvalidParameter` if it
+    contains no files of the participant.
     """
     return _told(root, participant, _plan(root, participant))
 
@@ -81,14 +77,9 @@ def find(root: Path, participant: str) -> Erased:
 def erase(root: Path, participant: str) -> Erased:
     """Erase all files of a participant from a data set and record it.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        As for `find`.
-    SessionInUse
-        If a session of the participant or another erasure is running. Nothing was erased.
-    DeviceFailed
-        If a file cannot be erased. Fix the cause and repeat.
+    Raises `InvalidFile` or `InvalidParameter` as for `find`. Raises `SessionInUse` if a session of the participant or
+    another erasure is running. Nothing was erased. Raises `DeviceFailed` if a file cannot be erased. Fix the cause and
+    repeat.
     """
     _refuse(root, participant)
     with alone(root / LOCK, IN_USE):
@@ -206,10 +197,7 @@ def plan(root: Path, code: str, begun: Collection[str] = ()) -> ErasurePlan:
 
     `begun` are the files of an interrupted erasure.
 
-    Raises
-    ------
-    InvalidFile
-        If a file or folder cannot be read.
+    Raises `InvalidFile` if a file or folder cannot be read.
     """
     files, folders = _walk(root)
     own = [path for path in files if _is_own(root, path, code)]

@@ -183,14 +183,8 @@ def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> lis
 
     The form is `bids` or one of `FORMS`. The folder must be new or empty.
 
-    Raises
-    ------
-    InvalidParameter
-        If the form is unknown or the folder is not empty.
-    InvalidFile
-        If the data set is damaged.
-    DeviceFailed
-        If the folder cannot be written.
+    Raises `InvalidParameter` if the form is unknown or the folder is not empty. Raises `InvalidFile` if the data set is
+    damaged. Raises `DeviceFailed` if the folder cannot be written.
     """
     one_of("--to", form, ("bids", *FORMS))
     source = read_source(path)

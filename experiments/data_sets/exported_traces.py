@@ -51,10 +51,7 @@ class TracedSession:
     def description(self) -> TraceDescription:
         """Sampling rate and columns of the samples.
 
-        Raises
-        ------
-        InvalidFile
-            If the JSON file of the samples does not state them.
+        Raises `InvalidFile` if the JSON file of the samples does not state them.
         """
         return described(self.root, [part for _, part in self.parts])
 

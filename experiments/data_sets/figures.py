@@ -38,7 +38,16 @@ class DrawnQuantity(NamedTuple):
     def fill(self, row: Sequence["Axes"], touches: Sequence[TouchTrace]) -> None:
         for axes, touch in zip(row, touches, strict=True):
             self.draw(axes, touch)
-            _mark(axes, touch)
+            if touch.played:
+                axes.axvspan(0.0, _lasts_s(touch), color=GOLD, alpha=0.15, linewidth=0, label="stimulus", zorder=0)
+                axes.axvline(0.0, color=ORANGE, linewidth=0.9, label="onset")
+            gate_s = _gate_s(touch)
+            if gate_s is not None:
+                # The mark is above the axes, as the onset line follows within milliseconds and would hide it.
+                at_top = axes.get_xaxis_transform()
+                axes.plot(
+                    gate_s, 1.02, "v", color=GREEN, transform=at_top, clip_on=False, linestyle="", label="gate opens"
+                )
         row[0].set_ylabel(self.label)
         highest = max(axes.dataLim.y1 for axes in row)
         if self.from_zero and highest > 0:  # the columns share the axis, with room above
@@ -57,7 +66,13 @@ def touch_figure(touches: Sequence[TouchTrace]) -> Drawing:
             row.fill(axes_of_row, touches)
         for touch, column in zip(touches, grid.T, strict=True):
             column[0].set_title(heading(touch))
-            column[0].set_xlim(*_span_s(touch))
+            onset_s, request, gate_s = touch.answer.onset_s, touch.request, _gate_s(touch)
+            stamps_s = [samples.times_s - onset_s for samples in (touch.force, touch.position) if samples is not None]
+            first_s = min((float(times_s[0]) for times_s in stamps_s), default=0.0)
+            last_s = max((float(times_s[-1]) for times_s in stamps_s), default=0.0)
+            if gate_s is not None and isinstance(request, Press | Slide):
+                first_s = max(first_s, gate_s - request.hold_s - BEFORE_S)
+            column[0].set_xlim(min(first_s, 0.0) - MARGIN_S, max(last_s, _lasts_s(touch)) + MARGIN_S)
             column[-1].set_xlabel("Time from the onset (s)")
         named = [pair for axes in grid.flat for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
         lines = {text: line for line, text in named}  # one legend entry for each name
@@ -106,17 +121,6 @@ def envelope(signal: Signal, n_bins: int = N_BINS) -> tuple[FloatArray, FloatArr
     return edges / signal.rate_hz, np.maximum.reduceat(strongest, edges)
 
 
-def _span_s(touch: TouchTrace) -> tuple[float, float]:
-    """Return the plotted time span from onset, omitting a long initial wait."""
-    onset_s, request, gate_s = touch.answer.onset_s, touch.request, _gate_s(touch)
-    stamps_s = [samples.times_s - onset_s for samples in (touch.force, touch.position) if samples is not None]
-    first_s = min((float(times_s[0]) for times_s in stamps_s), default=0.0)
-    last_s = max((float(times_s[-1]) for times_s in stamps_s), default=0.0)
-    if gate_s is not None and isinstance(request, Press | Slide):
-        first_s = max(first_s, gate_s - request.hold_s - BEFORE_S)
-    return min(first_s, 0.0) - MARGIN_S, max(last_s, _lasts_s(touch)) + MARGIN_S
-
-
 def _gate_s(touch: TouchTrace) -> float | None:
     gate_s = touch.answer.gate_s if isinstance(touch.answer, Touched) else None
     return None if gate_s is None else gate_s - touch.answer.onset_s
@@ -126,18 +130,6 @@ def _lasts_s(touch: TouchTrace) -> float:
     """Return the planned duration; 0 if the onset was not planned."""
     request = touch.request
     return 0.0 if isinstance(request, Adjust) or not touch.played else request.duration_s
-
-
-def _mark(axes: "Axes", touch: TouchTrace) -> None:
-    """Mark the stimulus, its onset and the gate."""
-    if touch.played:
-        axes.axvspan(0.0, _lasts_s(touch), color=GOLD, alpha=0.15, linewidth=0, label="stimulus", zorder=0)
-        axes.axvline(0.0, color=ORANGE, linewidth=0.9, label="onset")
-    gate_s = _gate_s(touch)
-    if gate_s is not None:
-        # The mark is above the axes, as the onset line follows within milliseconds and would hide it.
-        at_top = axes.get_xaxis_transform()
-        axes.plot(gate_s, 1.02, "v", color=GREEN, transform=at_top, clip_on=False, linestyle="", label="gate opens")
 
 
 def _since_onset(touch: TouchTrace, samples: Samples) -> FloatArray:

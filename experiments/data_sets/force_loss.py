@@ -20,10 +20,7 @@ def measured_losses(path: Path) -> list[LossRow]:
     `figures.prototype.loss_over_force(model, measured)` plots them. The study file states kind and diameter of each
     contactor.
 
-    Raises
-    ------
-    InvalidFile
-        If the data set has other factors or no readings.
+    Raises `InvalidFile` if the data set has other factors or no readings.
     """
     trials = read_trials(path)
     if set(trials.factors) != set(FACTORS):

@@ -106,20 +106,15 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
         if len(rows):
             is_alone = source.tasks() == [task] and not scored.any()
             of_task = () if is_alone else (f"task == {r_string(task)}",)
-            yield from _models_of(ANALYSES[task].r_model, rows, source, of_task)
+            numbers = alternatives(rows, source.factors)
+            for number, alike in rows.groupby(numbers):
+                of_number = of_task if numbers.nunique() == 1 else (*of_task, _conditions(alike, source.factors))
+                data = f"subset(used, {' & '.join(of_number)})" if of_number else "used"
+                yield _fill_model(ANALYSES[task].r_model, alike, source, data, int(number))
     for form in source.forms.values():
         rows = source.used[scored & (source.used["procedure"] == form.name)]
         is_continuous = form.steps is None or form.steps > MOST_CATEGORIES
         yield _fill_model(CONTINUOUS if is_continuous else R_OF_FORM, rows, source, name(form.name))
-
-
-def _models_of(model: str, rows: pd.DataFrame, source: ExportedDataSet, kept: tuple[str, ...]) -> Iterator[str]:
-    """Yield a task's model for each number of alternatives."""
-    numbers = alternatives(rows, source.factors)
-    for number, alike in rows.groupby(numbers):
-        of_number = kept if numbers.nunique() == 1 else (*kept, _conditions(alike, source.factors))
-        data = f"subset(used, {' & '.join(of_number)})" if of_number else "used"
-        yield _fill_model(model, alike, source, data, int(number))
 
 
 def _conditions(rows: pd.DataFrame, factors: Sequence[str]) -> str:

@@ -39,12 +39,8 @@ class Rebuilt:
 def replay_data_set(path: Path) -> list[Replayed]:
     """Replay every session of a data set, or the session of one journal file.
 
-    Raises
-    ------
-    Diverged
-        At the first request, or row of a trials file, that differs from the journal.
-    InvalidFile
-        If there is no journal, or one is damaged.
+    Raises `Diverged` at the first request, or row of a trials file, that differs from the journal. Raises `InvalidFile`
+    if there is no journal, or one is damaged.
     """
     root, journals, experiment, content = _recordings(path)
     return [_replay(root, journal, experiment, content) for journal in journals]
@@ -53,12 +49,8 @@ def replay_data_set(path: Path) -> list[Replayed]:
 def rebuild_data_set(path: Path) -> list[Rebuilt]:
     """Rebuild all files that are derived from the journals of a data set.
 
-    Raises
-    ------
-    InvalidFile
-        If there is no journal, one is damaged, or a trials file contains rows that its journal lacks.
-    SessionInUse
-        If a session is being recorded.
+    Raises `InvalidFile` if there is no journal, one is damaged, or a trials file contains rows that its journal lacks.
+    Raises `SessionInUse` if a session is being recorded.
     """
     root, journals, experiment, content = _recordings(path)
     return [rebuilt for journal in journals if (rebuilt := _rebuild(root, journal, experiment, content)) is not None]

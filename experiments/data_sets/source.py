@@ -96,11 +96,8 @@ def _whose(row: Row) -> tuple[str, str]:
 def read_source(path: Path) -> ExportedDataSet:
     """Read the rows of a data set or one trials file, as checked trials.
 
-    Raises
-    ------
-    InvalidFile
-        If there are no tables, a table is damaged, a study name is invalid, or the tables mix people and simulated
-        participants.
+    Raises `InvalidFile` if there are no tables, a table is damaged, a study name is invalid, or the tables mix people
+    and simulated participants.
     """
     trials = read_trials(path)
     kept, origin = of_one_kind(trials)
@@ -175,12 +172,7 @@ def _column(name: str, description: Mapping[str, object]) -> Column:
 def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
     """Write files into a new or empty folder, and return their sorted paths.
 
-    Raises
-    ------
-    InvalidParameter
-        If the folder is not empty.
-    DeviceFailed
-        If the disk is full or fails.
+    Raises `InvalidParameter` if the folder is not empty. Raises `DeviceFailed` if the disk is full or fails.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InvalidParameter(f"--out: found files in {folder}, expected a new or an empty folder")

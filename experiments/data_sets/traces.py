@@ -47,20 +47,12 @@ class Samples(NamedTuple):
 class TouchTrace:
     """One touch of a trial: request, result and recorded samples.
 
-    Parameters
-    ----------
-    head : Head
-        Head of the sitting (part of a session).
-    trial : Trial
-        First row of its trial.
-    request, answer
-        Request and result of the touch. Times are in s from the start of the session.
-    force, position : Samples or None
-        Samples recorded from the request on, for at most a minute.
-    emitted : Signal or None
-        Emitted signal from the onset on. None if nothing was emitted, or the signal cannot be recomputed.
-    unknown : str or None
-        Reason why the emitted signal cannot be recomputed.
+    - `head`: Head of the sitting (part of a session).
+    - `trial`: First row of its trial.
+    - `request`, `answer`: Request and result of the touch. Times are in s from the start of the session.
+    - `force`, `position`: Samples recorded from the request on, for at most a minute.
+    - `emitted`: Emitted signal from the onset on. None if nothing was emitted, or the signal cannot be recomputed.
+    - `unknown`: Reason why the emitted signal cannot be recomputed.
     """
 
     head: Head
@@ -261,10 +253,7 @@ def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:
 def described(root: Path, parts: Sequence[TracePart]) -> TraceDescription:
     """Read the description of traces, and check it against their samples.
 
-    Raises
-    ------
-    InvalidFile
-        If the description is missing, damaged, or does not fit the samples.
+    Raises `InvalidFile` if the description is missing, damaged, or does not fit the samples.
     """
     beside = root / sidecar_of(Path(parts[0].file))
     said = read_sidecar(beside)

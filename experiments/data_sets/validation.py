@@ -54,10 +54,7 @@ class Soundness:
 def validate(path: Path) -> Soundness:
     """Check a data set folder, or a single trials file.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder or file does not exist or cannot be read.
+    Raises `InvalidFile` if the folder or file does not exist or cannot be read.
     """
     if path.is_dir():
         return _data_set(path)

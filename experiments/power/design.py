@@ -42,33 +42,19 @@ class Case:
 class PowerDesign:
     """All inputs that determine a power analysis.
 
-    Parameters
-    ----------
-    study_toml : bytes
-        Content of the study file.
-    where : str
-        Name of the study in errors.
-    effect : StatedEffect
-    participants : tuple of int
-        Numbers of participants to try, in increasing order. Only the largest study is simulated. Smaller studies
-        consist of its first participants.
-    trials : tuple of (int or None)
-        Numbers of trials per track to try. None: as in the study.
-    seed : int
-    target : float
-        Power to achieve.
-    alpha : float
-        Significance level of the test.
-    precision : float
-        Half width of a power's 95 % interval at which sampling stops.
-    most, batch : int
-        Largest number of simulated studies per case, and number of studies between checks whether to stop.
-    dropout_share : float
-        Probability that a participant drops out, at a uniformly drawn trial.
-    dependent : str
-        Dependent variable. If empty, the first one of the task's analysis.
-    code_from : Path or None
-        Folder with the code of a custom observer.
+    - `study_toml`: Content of the study file.
+    - `where`: Name of the study in errors.
+    - `participants`: Numbers of participants to try, in increasing order. Only the largest study is simulated. Smaller
+      studies consist of its first participants.
+    - `trials`: Numbers of trials per track to try. None: as in the study.
+    - `target`: Power to achieve.
+    - `alpha`: Significance level of the test.
+    - `precision`: Half width of a power's 95 % interval at which sampling stops.
+    - `most`, `batch`: Largest number of simulated studies per case, and number of studies between checks whether to
+      stop.
+    - `dropout_share`: Probability that a participant drops out, at a uniformly drawn trial.
+    - `dependent`: Dependent variable. If empty, the first one of the task's analysis.
+    - `code_from`: Folder with the code of a custom observer.
 
     Raises
     ------
@@ -114,10 +100,7 @@ def _between_0_and_1(name: str, value: float) -> None:
 def participants_of(text: str) -> tuple[int, ...]:
     """Parse numbers of participants: a list, or a range with optional step.
 
-    Raises
-    ------
-    InvalidParameter
-        If the text is invalid, or a range is descending.
+    Raises `InvalidParameter` if the text is invalid, or a range is descending.
 
     >>> participants_of("6..24"), participants_of("6..24:9"), participants_of("12, 8")
     ((6, 9, 12, 15, 18, 21, 24), (6, 15, 24), (8, 12))

@@ -34,17 +34,11 @@ _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 class StatedEffect:
     """Stated change between the levels of a factor.
 
-    Parameters
-    ----------
-    factor : str
-    unit : str
-        ``"dB SL"`` for a change in sensation, ``"points"`` for a change in score, ``"% JND"`` or ``"% exponent"`` for a
-        relative change of these. The unit of the levels stands for a change in threshold, or with the suffix `` PSE``
-        for a change in the point of subjective equality.
-    change : float or None
-        Change from the first level to the last, in equal steps centred on zero.
-    by_level : tuple of (str, float)
-        Alternative to `change`: the change at each named level. Other levels are unchanged.
+    - `unit`: ``"dB SL"`` for a change in sensation, ``"points"`` for a change in score, ``"% JND"`` or ``"% exponent"``
+      for a relative change of these. The unit of the levels stands for a change in threshold, or with the suffix ``
+      PSE`` for a change in the point of subjective equality.
+    - `change`: Change from the first level to the last, in equal steps centred on zero.
+    - `by_level`: Alternative to `change`: the change at each named level. Other levels are unchanged.
     """
 
     factor: str
@@ -149,10 +143,7 @@ def _quantity(words: str, text: str) -> tuple[float, str]:
 def check_effect(effect: StatedEffect, factors: Mapping[str, Levels]) -> None:
     """Reject an effect that a study with these factors cannot have.
 
-    Raises
-    ------
-    InvalidParameter
-        If the factor or level is unknown, the factor has one level, or nothing changes.
+    Raises `InvalidParameter` if the factor or level is unknown, the factor has one level, or nothing changes.
     """
     if effect.factor not in factors:
         known = ", ".join(factors) or "it has none"

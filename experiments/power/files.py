@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from tactometry.analysis.reading.trials import Trials
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import make_folder, read_file, write_atomically
 from tactometry.files.json_file import prepare
@@ -53,12 +52,8 @@ class Folder:
     def prepared(cls, root: Path, design: PowerDesign, *, resume: bool, keeps_data: bool = False) -> "Folder":
         """Prepare a new folder, or continue in one with `resume`.
 
-        Raises
-        ------
-        InvalidFile
-            If the folder contains another power analysis, or contains this one and `resume` is False.
-        DeviceFailed
-            If pyarrow (extra: power) is not installed.
+        Raises `InvalidFile` if the folder contains another power analysis, or contains this one and `resume` is False.
+        Raises `DeviceFailed` if pyarrow (extra: power) is not installed.
         """
         arrow(PLACE)
         prepare(root, asked(design), "power analysis", resume=resume)
@@ -77,10 +72,7 @@ class Folder:
     def kept(self, batch: Batch) -> tuple[Row, ...] | None:
         """Return the rows of a stored batch, or None.
 
-        Raises
-        ------
-        InvalidFile
-            If the file of the batch is damaged.
+        Raises `InvalidFile` if the file of the batch is damaged.
         """
         path = self._path(batch)
         lacks_data = self.keeps_data and not all(file.exists() for file in paths_of(self.root, batch))
@@ -131,12 +123,8 @@ def simulated_and_kept(root: Path, design: PowerDesign, batch: Batch, spread: Sp
 
 def _with_content(design: PowerDesign, case: Case, number: int) -> tuple[tuple[Row, ...], bytes]:
     rows, trials = studied(design, case, number)
-    return rows, _content(trials)
-
-
-def _content(trials: Trials) -> bytes:
     pa = arrow(PLACE)
     table = pa.Table.from_pandas(trials.rows.drop(columns=OF_FILES), preserve_index=False)
     content = io.BytesIO()
     pa.parquet.write_table(table.replace_schema_metadata({**(table.schema.metadata or {}), **MARK}), content)
-    return content.getvalue()
+    return rows, content.getvalue()

@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 
 from tactometry.arguments.require import expect
+from tactometry.config.toml import merge
 from tactometry.observers.people import Stated
 from tactometry.trials.cells import cell as cell_text
 
-from ..study.cells import merge
 from ..study.experiment import Experiment
 from ..study.study import Study
 from .effect import OF_EXPONENT, OF_JND, WHERE, StatedEffect
@@ -98,10 +98,8 @@ def slopes_of(experiment: Experiment, factor: str, growths: Mapping[str, float])
 def check_maps(study: Study, factor: str) -> None:
     """Reject a study whose levels cannot be mapped for the effect's factor.
 
-    Raises
-    ------
-    InvalidParameter
-        If the factor is interleaved, another factor changes the procedure, or the levels are spaced by ratios.
+    Raises `InvalidParameter` if the factor is interleaved, another factor changes the procedure, or the levels are
+    spaced by ratios.
     """
     apart = "a factor that is not interleaved, as each of its levels needs a separate procedure"
     expect(factor not in study.plan.interleave, WHERE, f"the factor {factor!r}, which is interleaved", apart)

@@ -1,7 +1,6 @@
 """Simulate one study, and test it for each number of participants."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -101,17 +100,16 @@ def simulated(design: PowerDesign, experiment: Experiment, seed: int) -> Trials:
     trials = simulated_trials(experiment, sessions)
     if not design.dropout_share:
         return trials
-    stays = [_stays(rows, design.dropout_share, seed, str(code)) for code, rows in _by_participant(trials.rows)]
+    stays = [
+        _stays(rows, design.dropout_share, seed, str(code))
+        for code, rows in trials.rows.groupby("participant", sort=True)
+    ]
     return replace(trials, rows=pd.concat(stays, ignore_index=True))
 
 
 def _stays(rows: pd.DataFrame, share: float, seed: int, code: str) -> pd.DataFrame:
     leaves, place = stream(seed, code, "dropout").random(2)
     return rows.iloc[: int(place * len(rows))] if leaves < share else rows
-
-
-def _by_participant(rows: pd.DataFrame) -> Any:
-    return rows.groupby("participant", sort=True)
 
 
 class _Compared:
@@ -148,7 +146,7 @@ class _Compared:
     def row(self, case: Case, number: int, n: int) -> Row:
         """Return the result for the first `n` participants."""
         these, dependent = codes(n), self.design.dependent
-        values = self._values_of(these)
+        values = self.values[self.values["participant"].isin(these)] if len(self.values) else self.values
         known = values[dependent].notna() if len(values) else pd.Series(dtype=bool)
         p = self._p(values, these) if len(values) else None
         has_any = set(values.loc[known, "participant"]) if len(values) else set()
@@ -172,9 +170,6 @@ class _Compared:
         study, over = self.experiment.study, self.experiment.table.over
         kept = [levels for name, levels in study.factors.items() if name != over and name not in study.plan.between]
         return int(np.prod([len(levels) for levels in kept]))
-
-    def _values_of(self, these: list[str]) -> pd.DataFrame:
-        return self.values[self.values["participant"].isin(these)] if len(self.values) else self.values
 
     def _p(self, values: pd.DataFrame, these: list[str]) -> float | None:
         """Return the p value of the factor, or None without a result."""

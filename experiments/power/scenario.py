@@ -12,13 +12,14 @@ from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.arguments.require import expect, one_of
 from tactometry.config.strict import build
+from tactometry.config.toml import merge
 from tactometry.errors import rewording
 from tactometry.observers.kinds import USUAL
 from tactometry.observers.people import Stated, Varied
 from tactometry.trials.cells import cell as cell_text
 from tactometry.trials.tasks import FORM_TASK
 
-from ..study.cells import WiredCell, merge
+from ..study.cells import WiredCell
 from ..study.experiment import Experiment, wire
 from ..study.predictions import contact_of, felt_db
 from ..study.session_plan import places_of
@@ -75,10 +76,7 @@ def plan_of_study(study: Study) -> AnalysisPlan:
 def check_design(design: PowerDesign) -> str:
     """Check that a design can be simulated, and return its dependent variable.
 
-    Raises
-    ------
-    InvalidParameter
-        If the study cannot have the effect or the trials, or its task has no power analysis.
+    Raises `InvalidParameter` if the study cannot have the effect or the trials, or its task has no power analysis.
     """
     study = parse(design.study_toml, design.where)
     check_effect(design.effect, factors_of(study))
@@ -175,10 +173,7 @@ def with_trials(study: Study, n_trials: int | None) -> Study:
 
     For an adaptive rule, this is the largest number. The rule may end earlier.
 
-    Raises
-    ------
-    InvalidParameter
-        If the procedure has no number of trials.
+    Raises `InvalidParameter` if the procedure has no number of trials.
     """
     if n_trials is None:
         return study

@@ -57,72 +57,52 @@ class PowerEstimate:
         return self.n_participants * self.minutes
 
 
-class _Sum:
-    """Running sums of the rows of one point and case."""
-
-    def __init__(self) -> None:
-        self.n = self.n_significant = self.n_untested = self.n_cells = self.n_unknown = self.n_left_out = 0
-        self.sums: dict[str, float] = defaultdict(float)
-        self.counts: dict[str, int] = defaultdict(int)
-
-    def add(self, row: Row) -> None:
-        self.n += 1
-        self.n_significant += row.significant
-        self.n_untested += row.p is None
-        self.n_cells += row.n_cells
-        self.n_unknown += row.n_unknown
-        self.n_left_out += row.n_left_out
-        for name in ("found", "error", "width", "minutes"):
-            value = getattr(row, name)
-            if value is not None:
-                self.sums[name] += value
-                self.counts[name] += 1
-
-    def mean(self, name: str) -> float | None:
-        return self.sums[name] / self.counts[name] if self.counts[name] else None
-
-    @property
-    def shares(self) -> tuple[float, float, float]:
-        """Share of significant studies, with its 95 % interval."""
-        return self.n_significant / self.n, *share_interval(self.n_significant, self.n)
-
-
 class Summary:
     """Estimates of a power analysis from rows as they arrive."""
 
     def __init__(self, design: PowerDesign) -> None:
         self._design = design
-        self._sums: dict[tuple[int, int, bool], _Sum] = defaultdict(_Sum)
+        self._rows: dict[tuple[int, int, bool], list[Row]] = defaultdict(list)
 
     def add(self, rows: Iterable[Row]) -> None:
         for row in rows:
-            self._sums[row.n_trials, row.n_participants, row.has_effect].add(row)
+            self._rows[row.n_trials, row.n_participants, row.has_effect].append(row)
 
     def points(self) -> tuple[PowerEstimate, ...]:
         """Estimates by trials and participants, where both cases have rows."""
-        keys = sorted({key[:2] for key in self._sums})
-        return tuple(self._point(*key) for key in keys if all((*key, yes) in self._sums for yes in (True, False)))
+        keys = sorted({key[:2] for key in self._rows})
+        return tuple(self._point(*key) for key in keys if all((*key, yes) in self._rows for yes in (True, False)))
 
     def _point(self, n_trials: int, n_participants: int) -> PowerEstimate:
-        with_effect = self._sums[n_trials, n_participants, True]
-        without = self._sums[n_trials, n_participants, False]
-        found, stated = with_effect.mean("found"), stated_effect(self._design)
+        rows, without = (self._rows[n_trials, n_participants, has_effect] for has_effect in (True, False))
+        found, stated = _mean(row.found for row in rows), stated_effect(self._design)
         return PowerEstimate(
             n_trials,
             n_participants,
-            with_effect.n,
-            *with_effect.shares,
-            without.n,
-            *without.shares,
+            len(rows),
+            *_significant(rows),
+            len(without),
+            *_significant(without),
             found=found,
             bias=None if found is None or stated is None else found - stated,
-            threshold_bias=with_effect.mean("error"),
-            width=with_effect.mean("width"),
-            untested_share=with_effect.n_untested / with_effect.n,
-            unknown_share=with_effect.n_unknown / with_effect.n_cells,
-            n_left_out=with_effect.n_left_out / with_effect.n,
-            minutes=with_effect.mean("minutes") or 0.0,
+            threshold_bias=_mean(row.error for row in rows),
+            width=_mean(row.width for row in rows),
+            untested_share=sum(row.p is None for row in rows) / len(rows),
+            unknown_share=sum(row.n_unknown for row in rows) / sum(row.n_cells for row in rows),
+            n_left_out=sum(row.n_left_out for row in rows) / len(rows),
+            minutes=_mean(row.minutes for row in rows) or 0.0,
         )
+
+
+def _mean(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
+
+
+def _significant(rows: Sequence[Row]) -> tuple[float, float, float]:
+    """Return the share of significant studies, with its 95 % interval."""
+    n_significant = sum(row.significant for row in rows)
+    return n_significant / len(rows), *share_interval(n_significant, len(rows))
 
 
 def stated_effect(design: PowerDesign) -> float | None:

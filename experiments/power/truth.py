@@ -5,11 +5,9 @@ from functools import cache, lru_cache
 from math import log10
 
 import pandas as pd
-from scipy.integrate import quad
-from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
-from scipy.stats import norm
 
+from tactometry.analysis.tasks.signal_detection import forced_choice_sensitivity
 from tactometry.observers.people import Feeling
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols.tasks.task import Task
@@ -20,7 +18,6 @@ from ..study.session_plan import Key
 from .scenario import growth, middle_of
 
 TRUTH = "truth"
-MOST_D_PRIME = 20.0
 Grown = Callable[[Key], tuple[float, float]]
 """Function that returns the growth of a cell."""
 
@@ -84,10 +81,4 @@ def half_way_of_choice(n_intervals: int) -> float:
     >>> round(half_way_of_choice(2), 4)
     0.9539
     """
-    half_way = (1 + 1 / n_intervals) / 2
-
-    def right(d_prime: float) -> float:
-        share, _ = quad(lambda x: norm.pdf(x - d_prime) * ndtr(x) ** (n_intervals - 1), -10, MOST_D_PRIME + 10)
-        return float(share)
-
-    return float(brentq(lambda d_prime: right(d_prime) - half_way, 0, MOST_D_PRIME))
+    return forced_choice_sensitivity((1 + 1 / n_intervals) / 2, n_intervals)

@@ -13,14 +13,9 @@ from tactometry.session.answer import Played, Touched
 class Loop:
     """Iterator over a procedure's levels. Repeats levels without an answer.
 
-    Parameters
-    ----------
-    name : str
-        Prefix of the loop's columns.
-    procedure : Procedure
-        Procedure in its initial state.
-    n_attempts : int
-        Number of successive levels without an answer after which the loop ends.
+    - `name`: Prefix of the loop's columns.
+    - `procedure`: Procedure in its initial state.
+    - `n_attempts`: Number of successive levels without an answer after which the loop ends.
 
     Examples
     --------
@@ -84,10 +79,7 @@ class Loop:
 
         `intensity` is the delivered level, if it differs.
 
-        Raises
-        ------
-        InvalidParameter
-            If the procedure does not accept this answer.
+        Raises `InvalidParameter` if the procedure does not accept this answer.
         """
         self._answer(result, intensity)
         self.addOtherData("response", int(result))

@@ -46,15 +46,9 @@ class PsychoPyStudy:
 
     The limits of study and bench apply to the output, as in a session. Duty limits count from the start of the script.
 
-    Parameters
-    ----------
-    window : psychopy.visual.Window
-    study : str or Path
-        Name of a built-in study, or path of a study file.
-    bench : str or Path, optional
-        Bench file. Without it, nothing is played and no force is measured.
-    seed : int, optional
-        Seed of random draws (intervals, orders of levels).
+    - `study`: Name of a built-in study, or path of a study file.
+    - `bench`: Bench file. Without it, nothing is played and no force is measured.
+    - `seed`: Seed of random draws (intervals, orders of levels).
 
     Raises
     ------
@@ -93,22 +87,14 @@ class PsychoPyStudy:
     def touch(self, level: float | None, **factors: float | str) -> Touched:
         """Guide the finger through a touch of a cell. Level None is blank.
 
-        Raises
-        ------
-        InvalidParameter
-            If the study has no such cell.
-        Stopped
-            If Escape is pressed.
+        Raises `InvalidParameter` if the study has no such cell. Raises `Stopped` if Escape is pressed.
         """
         return self._rig.answer(self._touch_request(level, factors))
 
     def trial(self, level: float | None, **factors: float | str) -> TrialOutcome:
         """Run a trial of the study's task. An invalid touch gives no answer.
 
-        Raises
-        ------
-        InvalidParameter, Stopped
-            As for `touch`.
+        Raises `InvalidParameter` or `Stopped` as for `touch`.
         """
         condition = self._cell(factors).condition
         shown = Presentation(condition.stimulus, level, condition.touch, condition.alternatives)
@@ -128,12 +114,9 @@ class PsychoPyStudy:
         Answers to questions about a person (`demographics`, or ``kind = "choices"``) are the codes of categories. With
         the `experiment` handler of PsychoPy, each item adds a row: `NAME.item`, `NAME.response` and `NAME.category`.
 
-        Raises
-        ------
-        InvalidParameter
-            If the name is unknown, or the questionnaire has no texts in the language of the bench. Also if the
-            questionnaire requests a number, which could identify a participant, and no inquiry for it has ``identifies
-            = true``.
+        Raises `InvalidParameter` if the name is unknown, or the questionnaire has no texts in the language of the
+        bench. Also if the questionnaire requests a number, which could identify a participant, and no inquiry for it
+        has ``identifies = true``.
         """
         form = self._form(name)
         known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from datetime import date
 from difflib import get_close_matches
 from functools import cache
-from itertools import chain
+from importlib.resources import files
 from typing import Any, Final
 
 from tactometry.config.strict import build, build_kind
+from tactometry.config.toml import merge, table_of
 from tactometry.errors import InvalidParameter
 from tactometry.loading import resolve
 
@@ -21,36 +22,20 @@ Values = Mapping[str, Any]
 class KeyTable:
     """Reference table of a user file. Its class is imported only when needed.
 
-    Parameters
-    ----------
-    name : str
-        Name for `tactometry keys`, such as ``touch.slide``.
-    header : str
-        Header in the file, such as ``[touch]``. Empty for the top of the file.
-    reads : str
-        Import target of the class that reads the table.
-    kind : str
-        Value of the table's key ``kind``, if any.
-    usual : bool
-        True if ``kind`` is optional.
-    note : str
-        Addition to the description of the class.
-    example : mapping or str
-        Valid table with the required keys, or the import target of such a table.
-    samples : mapping
-        Example values of keys that have no default and are not in `example`.
-    instead : mapping of str to mapping
-        Separate examples for keys that contradict `example`.
-    also : tuple of str
-        Names of tables whose keys are also allowed.
-    given : callable
-        Returns fields that the file does not state.
-    made : callable
-        Builds the final object, which may check more.
-    in_levels : tuple of str
-        Keys whose unit is that of the level.
-    kinds : mapping of str to mapping of str to str
-        Keys whose value is a table of one of these kinds, with the import target of each class.
+    - `name`: Name for `tactometry keys`, such as ``touch.slide``.
+    - `header`: Header in the file, such as ``[touch]``. Empty for the top of the file.
+    - `reads`: Import target of the class that reads the table.
+    - `kind`: Value of the table's key ``kind``, if any.
+    - `usual`: True if ``kind`` is optional.
+    - `note`: Addition to the description of the class.
+    - `example`: Valid table with the required keys, or the import target of such a table.
+    - `samples`: Example values of keys that have no default and are not in `example`.
+    - `instead`: Separate examples for keys that contradict `example`.
+    - `also`: Names of tables whose keys are also allowed.
+    - `given`: Returns fields that the file does not state.
+    - `made`: Builds the final object, which may check more.
+    - `in_levels`: Keys whose unit is that of the level.
+    - `kinds`: Keys whose value is a table of one of these kinds, with the import target of each class.
     """
 
     name: str
@@ -62,10 +47,10 @@ class KeyTable:
     example: Values | str = field(default_factory=dict)
     samples: Values = field(default_factory=dict)
     instead: Mapping[str, Values] = field(default_factory=dict)
-    also: tuple[str, ...] = ()
+    also: Collection[str] = ()
     given: Callable[[], Values] = dict
     made: Callable[[Any], object] = field(default=lambda built: built)
-    in_levels: tuple[str, ...] = ()
+    in_levels: Collection[str] = ()
     kinds: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     @property
@@ -87,25 +72,45 @@ class KeyTable:
         return self.made(build(self.reader, own, path, **self.given(), **parts))
 
 
-_HERE: Final = __package__
-PAGES: Final[Mapping[str, tuple[str, ...]]] = {
-    "studies": (
-        f"{_HERE}.study_tables:study_tables",
-        f"{_HERE}.people_tables:form_tables",
-        f"{_HERE}.people_tables:people_tables",
-    ),
-    "procedures": (f"{_HERE}.study_tables:procedure_tables",),
-    "bench": (f"{_HERE}.bench_tables:bench_tables",),
-    "scenes": (f"{_HERE}.study_tables:scene_tables", f"{_HERE}.study_tables:plate_tables"),
-    "maps": (f"{_HERE}.people_tables:map_tables",),
-}
-"""Import targets of functions that yield the tables of each documentation page."""
+_LISTED: Final[Mapping[str, dict[str, Values]]] = table_of(
+    (files(__package__) / "tables.toml").read_bytes(), "tables.toml", "reference tables"
+)
+PAGES: Final = tuple(_LISTED)
+"""Documentation pages."""
 
 
 def tables_of_page(page: str) -> Iterator[KeyTable]:
-    """Return the tables of a page, in their order."""
-    makers: list[Callable[[], Iterator[KeyTable]]] = [resolve(target) for target in PAGES[page]]
-    return chain.from_iterable(make() for make in makers)
+    """Yield the tables of a page, in their order."""
+    for name in _LISTED[page]:
+        said = _said(page, name)
+        if "kinds_of" not in said:
+            yield _table(name, said)
+            continue
+        changes, header = said.pop("kind", {}), said["header"]
+        of_header = "{kind}" in header
+        for kind, known in resolve(said.pop("kinds_of")).items():
+            fields = {"reads": known} if isinstance(known, str) else known
+            own = {"header": header.format(kind=kind), "kind": "" if of_header else kind}
+            yield _table(name.format(kind=kind), merge(said | fields | own, changes.get(kind, {})))
+
+
+def _said(page: str, name: str) -> dict[str, Any]:
+    """Return what `tables.toml` says of a table, with the fields it copies."""
+    said = dict(_LISTED[page][name])
+    return merge(_said(page, said.pop("as")), said) if "as" in said else said
+
+
+def _table(name: str, said: Values) -> KeyTable:
+    given = said.get("given", {})
+    return KeyTable(**{"header": "", **said, "name": name, "given": lambda: _built(given)})
+
+
+def _built(value: Any) -> Any:
+    """Replace each table with a key `built` by the object of its target."""
+    if not isinstance(value, Mapping):
+        return value
+    inner = {name: _built(each) for name, each in value.items() if name != "built"}
+    return resolve(value["built"])(**inner) if "built" in value else inner
 
 
 @cache

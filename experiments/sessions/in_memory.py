@@ -16,7 +16,6 @@ from tactometry.session.replay import Replay
 from tactometry.session.request import Record, Request
 from tactometry.session.run import run
 from tactometry.trials.cells import Value, cell
-from tactometry.trials.columns import Column
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.trial import Trial
 
@@ -95,15 +94,10 @@ def _table(experiment: Experiment, who: Who) -> tuple[Path, pd.DataFrame]:
     """Simulate a session, and return its file name and table."""
     session = Session(who.participant, who.session, experiment.study.name)
     columns = experiment.design(b"").columns
-    return session.trials(NOWHERE), _cells(simulated_session(experiment, who), session, columns)
-
-
-def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> pd.DataFrame:
-    """Return the table that reading the session's trials file would give."""
-    known = [values_of(trial, session, SIMULATED) for trial in trials]
+    known = [values_of(trial, session, SIMULATED) for trial in simulated_session(experiment, who)]
     by_name = {column.name: [values.get(column.name) for values in known] for column in columns}
     table = pd.DataFrame({name: _column(name, values) for name, values in by_name.items()})
-    return table.assign(row=range(2, len(known) + 2))
+    return session.trials(NOWHERE), table.assign(row=range(2, len(known) + 2))
 
 
 def _column(name: str, values: Sequence[Value]) -> Any:

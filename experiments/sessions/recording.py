@@ -115,12 +115,9 @@ def record(
 
     `tell` receives messages for the experimenter before the session begins.
 
-    Raises
-    ------
-    InvalidFile
-        If the session is already recorded and `resume` is False, or `root` contains another study.
-    InvalidParameter
-        If the seed or number differs from the recorded one, or the participant was erased without `allow_erased`.
+    Raises `InvalidFile` if the session is already recorded and `resume` is False, or `root` contains another study.
+    Raises `InvalidParameter` if the seed or number differs from the recorded one, or the participant was erased without
+    `allow_erased`.
     """
     design, session = experiment.design(study_toml), Session(who.participant, who.session, experiment.study.name)
     number = who.counterbalancing_number

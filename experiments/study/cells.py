@@ -7,6 +7,7 @@ from typing import Any
 
 from tactometry.arguments.require import expect
 from tactometry.config.strict import as_table, build, build_kind, kind_of
+from tactometry.config.toml import merge
 from tactometry.errors import Gathered, InvalidParameter, nearest, rewording
 from tactometry.loading import resolve
 from tactometry.protocols.block_state import Condition
@@ -36,19 +37,6 @@ class WiredCell:
     modality: str = ""
 
 
-def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a table with some keys changed, including keys of inner tables.
-
-    >>> merge({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
-    {'a': 1, 'b': {'c': 4, 'd': 3}}
-    """
-    changed = dict(table)
-    for key, value in change.items():
-        are_tables = isinstance(value, Mapping) and isinstance(table.get(key), Mapping)
-        changed[key] = merge(table[key], value) if are_tables else value
-    return changed
-
-
 def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
     """Return the study's tables, changed by the variants of a cell's levels."""
     of_cell = {name: dict(getattr(study, name)) for name in VARIED}
@@ -73,10 +61,7 @@ class Wiring:
     def cell(self, factors: Factors) -> WiredCell:
         """Wire a cell of the design.
 
-        Raises
-        ------
-        InvalidParameter
-            If a table has an unknown key or invalid value, or a factor changes nothing.
+        Raises `InvalidParameter` if a table has an unknown key or invalid value, or a factor changes nothing.
         """
         of = tables(self.study, factors)
         found = Gathered()

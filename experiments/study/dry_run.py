@@ -116,10 +116,7 @@ def parts_ahead(experiment: Experiment, number: int, n_session: int = 1, seed: i
 def check_duration(experiment: Experiment, blocks: list[PlannedBlock]) -> str | None:
     """Return a warning for a session longer than `LONG_S`, else None.
 
-    Raises
-    ------
-    InvalidParameter
-        If the session lasts more than `LONGEST_S`.
+    Raises `InvalidParameter` if the session lasts more than `LONGEST_S`.
     """
     lasting_s = duration_s(experiment, blocks)
     if lasting_s <= LONG_S:

@@ -254,19 +254,12 @@ def wire(
 
     Custom code is imported from the folder `code_from`, and rejected without it.
 
-    Parameters
-    ----------
-    simulated : bool
-        True if participants may be simulated. If False, custom observer code is not imported.
-    plays : bool
-        True if stimuli may be played. If False, data are only read, without stimulus files or custom code.
-    begun : bool
-        True if a session has begun. The procedure is then accepted even with an inconsistent guess rate.
+    Raises `InvalidParameter` if a table has an unknown key or invalid value, or a level exceeds a limit. The message
+    starts with `where`.
 
-    Raises
-    ------
-    InvalidParameter
-        If a table has an unknown key or invalid value, or a level exceeds a limit. The message starts with `where`.
+    - `simulated`: True if participants may be simulated. If False, custom observer code is not imported.
+    - `plays`: True if stimuli may be played. If False, data are only read, without stimulus files or custom code.
+    - `begun`: True if a session has begun. The procedure is then accepted even with an inconsistent guess rate.
     """
     with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study, where, code_from, simulated=simulated, plays=plays)

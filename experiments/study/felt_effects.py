@@ -40,14 +40,9 @@ CLOSE: Final = 1e-3
 class LeftOut:
     """Effect that a scene omits.
 
-    Parameters
-    ----------
-    instead_of : tuple of str
-        Effects of the scene that the effect would replace.
-    change_db : float or None
-        Change in sensation level if the effect is added with its defaults. None if unknown.
-    why : str
-        Reason why the change is unknown.
+    - `instead_of`: Effects of the scene that the effect would replace.
+    - `change_db`: Change in sensation level if the effect is added with its defaults. None if unknown.
+    - `why`: Reason why the change is unknown.
     """
 
     effect: str
@@ -197,14 +192,9 @@ class Pressed(Protocol):
 class FingerOfStudy:
     """Strongest pull of the plate on a finger or tip, at a pressing force.
 
-    Parameters
-    ----------
-    level, pull_n : float
-        Highest level of the study, and the largest pull of the plate there.
-    first_level : float
-        Level at which the pull equals the pressing force, so that contact is lost above it.
-    presser : str
-        Name of the finger or tip.
+    - `level`, `pull_n`: Highest level of the study, and the largest pull of the plate there.
+    - `first_level`: Level at which the pull equals the pressing force, so that contact is lost above it.
+    - `presser`: Name of the finger or tip.
     """
 
     stimulus: str

@@ -132,16 +132,10 @@ def _value_in_words(value: object) -> str:
 class SceneTable:
     """Physics between the stimulus and the skin.
 
-    Parameters
-    ----------
-    name : str
-        Built-in scene or scene file that supplies surface and effects.
-    surface : mapping
-        ``kind`` and the keys of a scene's surface, without the keys of the tone.
-    effects : tuple of mapping
-        Effects as in a scene file, with at least a force law, friction and a threshold.
-    accuracy : float
-        Relative error of the felt amplitude. 0.05 corresponds to 0.4 dB.
+    - `name`: Built-in scene or scene file that supplies surface and effects.
+    - `surface`: ``kind`` and the keys of a scene's surface, without the keys of the tone.
+    - `effects`: Effects as in a scene file, with at least a force law, friction and a threshold.
+    - `accuracy`: Relative error of the felt amplitude. 0.05 corresponds to 0.4 dB.
     """
 
     name: str = ""
@@ -157,11 +151,8 @@ class SceneTable:
 def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Touch) -> FeltScene:
     """Build the scene of a table on a surface, under a stimulus and touch.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key or value is invalid, no scene supports the stimulus, or the sensation cannot be computed with this
-        accuracy for this touch. The message starts with the key.
+    Raises `InvalidParameter` if a key or value is invalid, no scene supports the stimulus, or the sensation cannot be
+    computed with this accuracy for this touch. The message starts with the key.
     """
     expected = "another stimulus kind; remove [scene] and use [sensation]"
     expect(surface in PLAYED, "scene", "a table with a stimulus that no scene supports", expected)

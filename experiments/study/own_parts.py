@@ -95,17 +95,10 @@ def stimulus_class(
 ) -> Any:
     """Return the class of `[stimulus]`, or a placeholder if `plays` is False.
 
-    Parameters
-    ----------
-    factors : collection of str
-        Factors that are keys of the stimulus.
-    of_touch : collection of str
-        Keys of the touch.
+    Raises `InvalidParameter` if the class does not exist, lacks a required member, or its code is not allowed.
 
-    Raises
-    ------
-    InvalidParameter
-        If the class does not exist, lacks a required member, or its code is not allowed.
+    - `factors`: Factors that are keys of the stimulus.
+    - `of_touch`: Keys of the touch.
     """
     target, where = table["kind"], "stimulus.kind"
     for name in STATED:
@@ -127,10 +120,7 @@ def stimulus_class(
 def sensation_class(table: Mapping[str, Any], code_from: Path | None) -> Any:
     """Return the class of `[sensation]`, or a placeholder without `code_from`.
 
-    Raises
-    ------
-    InvalidParameter
-        If the class does not exist or has no `sensation_db`.
+    Raises `InvalidParameter` if the class does not exist or has no `sensation_db`.
     """
     target, where = table["kind"], "sensation.kind"
     if code_from is None:

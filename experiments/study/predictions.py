@@ -75,13 +75,9 @@ def threshold_db(sensation_db: Callable[[float], float], bounds: tuple[float, fl
 def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact: Contact | None = None) -> LevelTable:
     """Return sensation levels (dB) by level, from a cell's sensation model.
 
-    Parameters
-    ----------
-    levels : (n_levels,) sequence of float
-        Increasing levels. Levels between them are interpolated. By default the levels of the procedure, or `N_LEVELS`
-        levels over its range.
-    contact : Contact
-        Contact of the finger, by default the one that the cell requests.
+    - `levels`: Increasing levels. Levels between them are interpolated. By default the levels of the procedure, or
+      `N_LEVELS` levels over its range.
+    - `contact`: Contact of the finger, by default the one that the cell requests.
     """
     contact = contact_of(cell) if contact is None else contact
     rule = cell.procedure.rule

@@ -39,15 +39,10 @@ def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
 class TracksTable:
     """Settings for the tracks of a procedure, alongside its own keys.
 
-    Parameters
-    ----------
-    shared : bool
-        Share all parameters except the threshold between interleaved tracks (QUEST+ and psi).
-    easy_share : float
-        Share of trials far above threshold, which reveal the lapse rate (adaptive procedures). Each group of round(1 /
-        `easy_share`) trials contains one easy trial. Easy trials count as trials of the track.
-    easy_level : float, optional
-        Level of easy trials, by default the highest level.
+    - `shared`: Share all parameters except the threshold between interleaved tracks (QUEST+ and psi).
+    - `easy_share`: Share of trials far above threshold, which reveal the lapse rate (adaptive procedures). Each group
+      of round(1 / `easy_share`) trials contains one easy trial. Easy trials count as trials of the track.
+    - `easy_level`: Level of easy trials, by default the highest level.
     """
 
     shared: bool = False
@@ -101,11 +96,8 @@ def _check_tracks(tracks: TracksTable, name: str, rule: Rule[Any]) -> None:
 def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> None:
     """Reject a rule whose guess rate contradicts that of the task.
 
-    Raises
-    ------
-    InvalidParameter
-        If no rate is within `GUESS_RATE_TOLERANCE` of chance in a forced choice, or all rates exceed
-        `HIGHEST_FALSE_ALARMS` in a task without a chance level.
+    Raises `InvalidParameter` if no rate is within `GUESS_RATE_TOLERANCE` of chance in a forced choice, or all rates
+    exceed `HIGHEST_FALSE_ALARMS` in a task without a chance level.
     """
     kind = kind_of(procedure, "procedure", PROCEDURES)
     fields = resolve(kind.table).__dataclass_fields__

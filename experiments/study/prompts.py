@@ -16,10 +16,7 @@ ASKED_BY = {"magnitude": ("how_strong",), "adjustment": ("adjust",), "measuremen
 class PromptTable:
     """Key `prompt` of the table `task`.
 
-    Parameters
-    ----------
-    prompt : str or mapping of str to str
-        Question that replaces the built-in one: one text, or a text for each language.
+    - `prompt`: Question that replaces the built-in one: one text, or a text for each language.
     """
 
     prompt: Prompt = ""

@@ -23,10 +23,8 @@ WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "decl
 def rehearse(experiment: Experiment) -> None:
     """Reject keys without effect, and check all texts of a study.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key of the task has no effect, or a text has an unknown name or its placeholders cannot be filled in.
+    Raises `InvalidParameter` if a key of the task has no effect, or a text has an unknown name or its placeholders
+    cannot be filled in.
     """
     study = experiment.study
     with rewording(lambda words: f"{experiment.where}, {words}"):
@@ -101,10 +99,7 @@ def _fill(texts: Texts, shown: Show | str, where: str) -> None:
 def page_images(experiment: Experiment) -> dict[str, PageImage]:
     """Check the images of a window's pages, and return them by message.
 
-    Raises
-    ------
-    InvalidParameter
-        If a file is missing, differs from the stated digest, or is not an image.
+    Raises `InvalidParameter` if a file is missing, differs from the stated digest, or is not an image.
     """
     study = experiment.study
     located = {name: replace(table, path=study.beside(table.path)) for name, table in study.images.items()}
@@ -115,10 +110,8 @@ def page_images(experiment: Experiment) -> dict[str, PageImage]:
 def rehearse_forms(experiment: Experiment, language: str) -> None:
     """Check that all items and prompts have texts in the language of a rig.
 
-    Raises
-    ------
-    InvalidParameter
-        If a questionnaire has no texts in this language, or a prompt has none in it or in English.
+    Raises `InvalidParameter` if a questionnaire has no texts in this language, or a prompt has none in it or in
+    English.
     """
     asked: tuple[Questionnaire | ChoiceForm, ...] = (*experiment.questionnaires, *experiment.choices)
     forms = {f"questionnaire {form.name}": (form.languages, language in form.languages) for form in asked}
@@ -131,10 +124,7 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
 def flaw(experiment: Experiment, root: Path) -> str | None:
     """Return an error in the texts of a study that already has sessions.
 
-    Raises
-    ------
-    InvalidParameter
-        As for `rehearse`, before the first session.
+    Raises `InvalidParameter` as for `rehearse`, before the first session.
     """
     try:
         rehearse(experiment)

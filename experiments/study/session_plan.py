@@ -56,10 +56,7 @@ def session_cells(
 ) -> list[dict[str, float | str]]:
     """Return the ordered cells of a session, without the factor `over`.
 
-    Raises
-    ------
-    InvalidParameter
-        If the number is below 1, or the study has no such session.
+    Raises `InvalidParameter` if the number is below 1, or the study has no such session.
     """
     expect(number >= 1, "participant number", number, "a number from 1; state --number")
     sessions = all_sessions(study, over, number, seed)

@@ -53,16 +53,10 @@ class Parameter:
 class Group:
     """Parameters of one class or module.
 
-    Parameters
-    ----------
-    code : str
-        Class or object with the defaults (``module:Class``), or a module with constants.
-    kinds : tuple of str
-        Classes whose objects have the values in a study, by default that of `code`.
-    effects : tuple of str
-        Effects of a scene that use the constants of a module.
-    varied : bool
-        False if the effect on the sensation level is not computed.
+    - `code`: Class or object with the defaults (``module:Class``), or a module with constants.
+    - `kinds`: Classes whose objects have the values in a study, by default that of `code`.
+    - `effects`: Effects of a scene that use the constants of a module.
+    - `varied`: False if the effect on the sensation level is not computed.
     """
 
     name: str

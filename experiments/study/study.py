@@ -27,19 +27,12 @@ Levels = tuple[float | str, ...]
 class PlanTable:
     """Division of cells into sessions and blocks, beyond `counterbalance`.
 
-    Parameters
-    ----------
-    between : tuple of str
-        Between-participant factors. The participant's number selects the level.
-    sessions : tuple of str
-        Factors with one level per session.
-    interleave : tuple of str
-        Factors whose levels are interleaved in one block, as tracks.
-    orders : mapping of str to tuple of str
-        Factors by the rule of their order: ``williams`` (like those in `counterbalance`), ``complete`` or ``random``.
-        Other factors have a fixed order.
-    longest_s : float or None
-        Latest time in a session at which a block may start.
+    - `between`: Between-participant factors. The participant's number selects the level.
+    - `sessions`: Factors with one level per session.
+    - `interleave`: Factors whose levels are interleaved in one block, as tracks.
+    - `orders`: Factors by the rule of their order: ``williams`` (like those in `counterbalance`), ``complete`` or
+      ``random``. Other factors have a fixed order.
+    - `longest_s`: Latest time in a session at which a block may start.
     """
 
     between: tuple[str, ...] = ()
@@ -65,18 +58,11 @@ class PlanTable:
 class InquiryTable:
     """Questionnaire in addition to the task.
 
-    Parameters
-    ----------
-    form : str
-        Name of a built-in questionnaire, or of one in `[forms]`.
-    after : str
-        Time of the questionnaire: ``start`` of the session, or after each ``block`` or the ``session``.
-    shuffled : bool
-        Draw the order of the items separately for each participant.
-    prompt : str or mapping of str to str
-        Text above the pages, which replaces the stem: one text, or a text for each language.
-    identifies : bool
-        Allow numbers about participants, which could identify them.
+    - `form`: Name of a built-in questionnaire, or of one in `[forms]`.
+    - `after`: Time of the questionnaire: ``start`` of the session, or after each ``block`` or the ``session``.
+    - `shuffled`: Draw the order of the items separately for each participant.
+    - `prompt`: Text above the pages, which replaces the stem: one text, or a text for each language.
+    - `identifies`: Allow numbers about participants, which could identify them.
     """
 
     form: str
@@ -97,60 +83,32 @@ class Study:
     Tables whose keys depend on `kind` are stored unchanged and built in `cells`. `analysis` contains the keys of
     `tactometry.analysis.plan.AnalysisPlan`.
 
-    Parameters
-    ----------
-    name : str
-        Lower-case letters and digits, joined by hyphens. Used in file names and in the column `study`.
-    title : str
-        Title in reports and lists.
-    description : str
-        One or two sentences for those who read the data.
-    task : mapping
-        ``kind`` and keys of the task: the question for the participant.
-    factors : mapping of str to list
-        Levels of each factor, by name. All combinations are run.
-    stimulus : mapping
-        ``kind`` and keys of the stimulus: the played signal.
-    touch : mapping
-        ``kind`` and keys of the touch: the contact of the finger.
-    procedure : mapping
-        ``kind`` and keys of the procedure: the choice of the next level.
-    limits : Limits
-        Limits for every signal.
-    counterbalance : tuple of str
-        Factors whose order changes with the participant's number, outermost first.
-    trial_s : float
-        Assumed duration of a trial, for the estimate of `run --dry-run`.
-    consent : bool
-        Ask for the participant's consent. If it is declined, the session ends.
-    plan : PlanTable
-        Table of the sessions, groups and orders of participants.
-    nested : mapping
-        Levels of a factor, by level of another factor.
-    variants : mapping
-        Changes to the tables stimulus, touch, procedure, sensation and scene, by level of a factor.
-    practice : mapping
-        Easy trials before the first block.
-    inquiries : mapping of str to InquiryTable
-        Questionnaires in addition to the task, by name.
-    forms : mapping
-        Custom questionnaires by name. Each is a table, or the `path` of a file.
-    scene : mapping
-        Physics between stimulus and skin of simulated participants. Replaces `sensation`.
-    sensation : mapping
-        Sensation model of simulated participants.
-    observer : mapping
-        Decision model of simulated participants.
-    finger : SimulatedFinger
-        Touch of simulated participants.
-    texts : mapping of str to str
-        Texts for participants by message, which replace the built-in ones.
-    translations : mapping
-        Texts by language, which override `texts`.
-    images : mapping of str to ImageTable
-        Pictures on pages, by message.
-    analysis : mapping
-        Analysis plan, stated before data collection.
+    - `name`: Lower-case letters and digits, joined by hyphens. Used in file names and in the column `study`.
+    - `title`: Title in reports and lists.
+    - `description`: One or two sentences for those who read the data.
+    - `task`: ``kind`` and keys of the task: the question for the participant.
+    - `factors`: Levels of each factor, by name. All combinations are run.
+    - `stimulus`: ``kind`` and keys of the stimulus: the played signal.
+    - `touch`: ``kind`` and keys of the touch: the contact of the finger.
+    - `procedure`: ``kind`` and keys of the procedure: the choice of the next level.
+    - `limits`: Limits for every signal.
+    - `counterbalance`: Factors whose order changes with the participant's number, outermost first.
+    - `trial_s`: Assumed duration of a trial, for the estimate of `run --dry-run`.
+    - `consent`: Ask for the participant's consent. If it is declined, the session ends.
+    - `plan`: Table of the sessions, groups and orders of participants.
+    - `nested`: Levels of a factor, by level of another factor.
+    - `variants`: Changes to the tables stimulus, touch, procedure, sensation and scene, by level of a factor.
+    - `practice`: Easy trials before the first block.
+    - `inquiries`: Questionnaires in addition to the task, by name.
+    - `forms`: Custom questionnaires by name. Each is a table, or the `path` of a file.
+    - `scene`: Physics between stimulus and skin of simulated participants. Replaces `sensation`.
+    - `sensation`: Sensation model of simulated participants.
+    - `observer`: Decision model of simulated participants.
+    - `finger`: Touch of simulated participants.
+    - `texts`: Texts for participants by message, which replace the built-in ones.
+    - `translations`: Texts by language, which override `texts`.
+    - `images`: Pictures on pages, by message.
+    - `analysis`: Analysis plan, stated before data collection.
     """
 
     name: str
@@ -192,7 +150,10 @@ class Study:
                 raise no_such(f"counterbalance[{n}]", name, "each factor at most once", self.factors)
         _check_plan(self)
         if self.analysis:
-            _check_analysis(self)
+            from tactometry.analysis.plan import AnalysisPlan
+
+            with rewording(lambda words: words if words.startswith("analysis") else f"analysis.{words}"):
+                build(AnalysisPlan, self.analysis, "analysis").check(list(self.factors))
 
     @property
     def cautions(self) -> tuple[str, ...]:
@@ -211,13 +172,6 @@ class Study:
     def words_in(self, language: str) -> dict[str, str]:
         """Return the study's texts in a language, by its two-letter code."""
         return self.texts | self.translations.get(language, {})
-
-
-def _check_analysis(study: Study) -> None:
-    from tactometry.analysis.plan import AnalysisPlan
-
-    with rewording(lambda words: words if words.startswith("analysis") else f"analysis.{words}"):
-        build(AnalysisPlan, study.analysis, "analysis").check(list(study.factors))
 
 
 def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:

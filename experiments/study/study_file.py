@@ -26,10 +26,7 @@ def parse(content: bytes, where: str) -> Study:
 
     Every error begins with `where`.
 
-    Raises
-    ------
-    InvalidFile
-        If the bytes are not TOML in UTF-8, or a key or value is invalid.
+    Raises `InvalidFile` if the bytes are not TOML in UTF-8, or a key or value is invalid.
     """
     table = table_of(content, where, "a study file")
     with errors_in(where):
@@ -80,10 +77,7 @@ def shipped() -> dict[str, Path]:
 def locate(study: str) -> Path:
     """Find the file of a study by name or path.
 
-    Raises
-    ------
-    InvalidFile
-        If neither a built-in study nor a file has this name.
+    Raises `InvalidFile` if neither a built-in study nor a file has this name.
     """
     path = shipped().get(study, Path(study))
     if os.path.lexists(path):
@@ -109,10 +103,7 @@ def load(study: str) -> tuple[Study, bytes]:
 def with_forms(content: bytes, path: Path) -> bytes:
     """Insert questionnaires from files of `[forms.NAME]` into a study's bytes.
 
-    Raises
-    ------
-    InvalidFile
-        If such a file cannot be read or is not a questionnaire. The message starts with its path.
+    Raises `InvalidFile` if such a file cannot be read or is not a questionnaire. The message starts with its path.
     """
     forms = table_of(content, str(path), "a study file").get("forms")
     tables = forms if isinstance(forms, Mapping) else {}

@@ -38,10 +38,7 @@ DECISIONS: Mapping[str, Decision] = {
 def form_of(study: Study, name: str, path: str) -> Questionnaire:
     """Return a custom or shipped questionnaire.
 
-    Raises
-    ------
-    InvalidParameter
-        If no form has this name, or it has no rating scale.
+    Raises `InvalidParameter` if no form has this name, or it has no rating scale.
     """
     is_scale = not is_choices(study.forms.get(name)) and (name in study.forms or name not in shipped_choices())
     expect(is_scale, path, f"{name!r}, a form of choices", "a form with a rating scale; put choices in an inquiry")
@@ -54,10 +51,7 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
 def choices_named(study: Study, name: str) -> ChoiceForm | None:
     """Return a custom or built-in form of choices, or None for other names.
 
-    Raises
-    ------
-    InvalidParameter
-        If the custom form is invalid.
+    Raises `InvalidParameter` if the custom form is invalid.
     """
     if name in study.forms:
         return choice_forms_of({name: study.forms[name]}).get(name)
@@ -67,10 +61,7 @@ def choices_named(study: Study, name: str) -> ChoiceForm | None:
 def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
     """Return the form of an inquiry.
 
-    Raises
-    ------
-    InvalidParameter
-        If the form is unknown, or a form of choices has a key for rating scales only.
+    Raises `InvalidParameter` if the form is unknown, or a form of choices has a key for rating scales only.
     """
     table, path = study.inquiries[inquiry], f"inquiries.{inquiry}"
     one_of(f"{path}.form", table.form, (*study.forms, *shipped_names(), *shipped_choices()))

@@ -15,7 +15,7 @@ from tactometry.stimuli.scenes.file import scene_of
 from tactometry.stimuli.scenes.surfaces.electrovibration import tone
 
 from . import force_spread
-from .reproduction import Number, Origin, Reproduction
+from .reproduction import Number, Origin
 
 FREQUENCIES_HZ = (60.0, 120.0, 180.0, 240.0, 320.0, 480.0)
 FORCES_N = (0.5, 3.0)
@@ -147,49 +147,3 @@ def felt_levels_db(effects: Effects, frequency_hz: float, forces_n: Sequence[flo
     signal = waveform.at(LEVEL_DB)
     contacts = (Contact(force_n, SPEED_M_PER_S) for force_n in forces_n)
     return [scene.sensation(signal, contact) for contact in contacts]
-
-
-ITEMS = {
-    "finding-3": Reproduction(
-        title="Electrovibration thresholds are lowest at 240 Hz; force has limited influence, and lowers them above "
-        "240 Hz",
-        stated="The lowest thresholds at 240 Hz; force has limited influence by ANOVA; above 240 Hz thresholds seem to "
-        "fall as force rises (page 4). The waveform is not stated; a step, a trapeze and a sine are modelled (pages 13 "
-        "and 14).",
-        assumes="The scene of the built-in study with one effect changed per row; 60 to 480 Hz, 0.5 and 3 N, 50 mm/s; "
-        "the lowest threshold is that at 0.5 N. Limited influence is a change of at most 1 dB at 60, 120 and 240 Hz; a "
-        "fall above 240 Hz is one at 480 Hz by 0.01 dB more than at any of them. The frequency of the lowest "
-        "threshold is assumed where the input was chosen so that its force vibrates at its own frequency. Bands are "
-        f"from {force_spread.N_DRAWS} draws of all ranges (a Latin hypercube of seed {force_spread.SEED}), all values "
-        "of a range equally likely, apart from force law and electrical layers, which are those of the built-in "
-        "study. Of the draws, limited is less than 1 dB at each frequency from 30 to 240 Hz, and falls above a fall at "
-        "each from 320 to 480 Hz. The finding holds if most draws have both.",
-        numbers=numbers,
-        ranges=tuple(force_spread.RANGES.values()),
-        outcome="The minimum follows the frequency at which friction vibrates. A sine without offset makes friction "
-        "vibrate at twice its frequency: its lowest threshold is below 240 Hz (at 480 Hz only its ramp is felt). 240 "
-        "Hz requires a force at the frequency of the input: a carrier, or an offset under a skin that does not leak. "
-        "Then the threshold of the Pacinian channel (lowest at 250 Hz) decides, for every force law, gap, lag, "
-        "criterion or summation, as long as damping dominates the skin (a weakly damped pad resonates at 56 Hz and is "
-        "felt best at 60 Hz). Force changes thresholds by the contact area, equally at all frequencies; a friction "
-        "coefficient that falls with the area cancels this, and a fixed fraction of the load reverses it. Three "
-        "effects combine force and frequency. A body resistance under a sine has the opposite sign (it costs more for "
-        "larger contacts and higher frequencies). Area summed by the Pacinian channel lowers thresholds from 120 Hz "
-        "on, not above 240 Hz. A skin that stiffens with force has the sign of the thesis: below about 100 Hz "
-        "stiffness cancels the gain of the area, at 480 Hz damping dominates and the gain remains. With an exponent of "
-        "2/3, chosen for this (between Mindlin's 1/3 and the 1 of a stiffness in proportion to the force), nothing "
-        "changes at 120 Hz and thresholds fall at 480 Hz, but they rise at 60 Hz and fall at 240 Hz by more than "
-        "limited. No row has all of the finding. The built-in study has the area alone, -2.6 dB at all frequencies, "
-        "which is why an ANOVA of its data calls force significant. Over the spread of the sources the change from 0.5 "
-        "to 3 N is 1.8 dB at 240 Hz, with a band from -2.9 to 6.7 dB: not even its sign is known, and both parts of "
-        "the finding are in 2 % of the draws. They are in 28 % if one contact carries attraction and skin, so that "
-        "stiffness and damping grow as its radius (Mindlin): the median change is then within 0.3 dB up to 240 Hz and "
-        "-0.4 dB at 480 Hz. The finding is thus within the band, but not predicted. The measurement that would decide "
-        "is that of the tangential impedance of the sliding pulp from 60 to 480 Hz under 0.5 and 3 N: of all ranges, "
-        "the exponents of its stiffness (at 60 Hz) and of its damping (at 120 and 240 Hz) have the largest rank "
-        "correlation with the change, before that of the area (at 480 Hz). Whether the voltage holds a stuck finger "
-        "(gated) does not matter here: friction of the built-in study slides all the time, and one that sticks slips "
-        "once; at 0.5 N the level is the same to 0.01 dB, and at 3 N that slip is felt by more than 20 dB, whatever "
-        "the voltage.",
-    )
-}

@@ -8,7 +8,7 @@ from statistics import fmean
 import numpy as np
 from scipy.signal import resample
 
-from tactometry.observers.responses import COMFORT_DB, COMFORT_RANGE_DB, liking
+from tactometry.observers import responses
 from tactometry.stimuli.defaults import RESISTANCE_N_S_PER_M
 from tactometry.stimuli.scenes.default_scenes import default_scene
 from tactometry.stimuli.time_reversal.finger import PULP_MASS_KG, amplitude_loss, ejection_force_n
@@ -24,11 +24,12 @@ from ..study.felt_scene import felt
 from .predicted_loss import PRESSED_N, predicted_loss
 from .predicted_threshold import focus_course, predicted_threshold
 from .ranges import N_DRAWS, PULP, RANGES, SEED, of_ranges
-from .reproduction import Number, Origin, Reproduction
+from .reproduction import Number, Origin
 from .setups import ELSEWHERE, FOCUS, RIG_BAND
 from .studies import cells_of, contact_of, sensation_db, threshold_db
 
 BAND_ASSUMES = f"5 to 95 % of {N_DRAWS} draws with seed {SEED}"
+OF_FOCUS, OF_PULP = of_ranges(RANGES), of_ranges(PULP)
 FOCUS_STUDY = "time-reversal-threshold"
 NO_CHANGE_DB = 0.5
 FOCUS_M, FOCUS_DB, MEAN_HZ = 10e-6, 20.0, 12.5e3
@@ -141,27 +142,22 @@ BEST = ("200 Hz", "sinc")
 
 def pleasant_patterns() -> Iterator[Number]:
     felt_db = levels_db()
-    liked = {name: liking(level_db) for name, level_db in felt_db.items()}
+    liked = {name: responses.liking(level_db) for name, level_db in felt_db.items()}
     order = sorted(liked, key=lambda name: -liked[name])
     is_order = max(felt_db.values()) - min(felt_db.values()) >= SAME_DB
     for name, level_db in felt_db.items():
         compared = ("last: pleases least", is_order and order[-1] == name) if name == LEAST else ()
         yield Number("sensation level", pattern_name(name), level_db, "dB", "calibrated")
         yield Number("over the single focus", pattern_name(name), level_db - felt_db[LEAST], "dB", "derived")
-        yield from _physics_of(name, felt_db[LEAST])
+        pattern, condition = PATTERNS[name], pattern_name(name)  # without a model of answers
+        yield Number("energy of the foci", condition, 10 * math.log10(np.sum(pattern.weights**2)), "dB", "derived")
+        felt_s = pattern.times_s[np.abs(pattern.weights) > 10 ** (-felt_db[LEAST] / 20)]
+        yield Number("foci above threshold", condition, len(felt_s), "", "calibrated")
+        onsets = 1 + np.count_nonzero(np.diff(felt_s) > FUSED_S)
+        yield Number("onsets", condition, float(onsets), "", "calibrated")
         yield Number("pleasantness", pattern_name(name), liked[name], "of 1", "assumed")
         yield Number("place", pattern_name(name), order.index(name) + 1.0, "", "assumed", *compared)
     yield from _by_factor(liked, is_order=is_order)
-
-
-def _physics_of(name: str, largest_db: float) -> Iterator[Number]:
-    """Yield what a pattern is without a model of answers; its largest focus has `largest_db`."""
-    pattern, condition = PATTERNS[name], pattern_name(name)
-    yield Number("energy of the foci", condition, 10 * math.log10(np.sum(pattern.weights**2)), "dB", "derived")
-    felt_s = pattern.times_s[np.abs(pattern.weights) > 10 ** (-largest_db / 20)]
-    yield Number("foci above threshold", condition, len(felt_s), "", "calibrated")
-    onsets = 1 + np.count_nonzero(np.diff(felt_s) > FUSED_S)
-    yield Number("onsets", condition, float(onsets), "", "calibrated")
 
 
 def _by_factor(liked: Mapping[str, float], *, is_order: bool) -> Iterator[Number]:
@@ -190,75 +186,3 @@ def pattern_name(name: str) -> str:
         return f"{name}, a single focus"
     rate_hz = LOW_HZ if pattern.repetition_hz == LOW_HZ else HIGH_HZ
     return f"{name}, {rate_hz:g} Hz, {type(pattern.envelope).__name__.lower()}"
-
-
-ITEMS = {
-    "finding-1": Reproduction(
-        title="One focus is detected at about 10 um, whatever the force",
-        stated="About 10 um for ten users; the force has no influence (page 4). Earlier work: 10 to 15 um (page 36).",
-        assumes="The built-in study time-reversal-threshold and its model (0.5, 1.5 and 3 N are unverified "
-        "defaults). 10 um is a constant of that model, so that the threshold is no result. The finger of criterion "
-        "loaded is that of finding-2, set at 2 N. The mobility of the skin across the plate is unknown and in no "
-        "scene of a focus. Less than 0.5 dB counts as no influence, less than 1 dB as about 10 um. *Predictions* "
-        "with a band use none of these constants, and agree if the band holds 10 um, or 0 dB: the Pacinian channel "
-        "detects a course whose filtered energy is that of a vibration at threshold within the time of summation, 3 "
-        "dB less per doubling of the contact area; the loaded focus throws off the pulp's moving mass "
-        f"(4/3 rho a^3), which the force and its viscosity bring back. Band: {BAND_ASSUMES}, {of_ranges(RANGES)}.",
-        numbers=threshold_of_focus,
-        outcome="The amplitude is an input, and so is the lack of influence: the amplitude of the free plate counts "
-        "(criterion unloaded). The amplitude *under* the finger (criterion loaded) falls with force, so that the "
-        "threshold would rise, under a damper as under a mass. A contact that opens does not change this: a focus of "
-        "10 um throws a finger off for some microseconds, longer under less force, but plate and skin are together "
-        "when the focus arrives, and the amplitude falls with force as under a finger that holds. That 10 um at 12.5 "
-        "kHz lift a lumped pulp of 0.1 g (unverified) against any force of the study is therefore no explanation. "
-        "None of these derives the finding. *Predicted*: while plate and pulp hold together nothing is felt of 10 "
-        "um, some 40 dB below threshold, as the plate hardly moves below 800 Hz, and they would have to pull at each "
-        "other; a thrown pulp flies for a fraction of a millisecond, which is felt. Its threshold has the size of "
-        "the thesis's at 1.5 and 3 N, and a little less at 0.5 N, but rises with force, and its band excludes no "
-        "influence: less force brings the pulp back later. The size is derived, the lack of influence is not. That "
-        "the plate throws the skin off is Hudin et al.'s (2015) explanation (abstract); that it is modelled as a free "
-        "mass was chosen here, after the finding was known, and half of the ranges have no source. A "
-        "vibrometer on the skin beside the plate, which shows whether and how long the pulp is off at two forces, "
-        "would decide.",
-    ),
-    "finding-2": Reproduction(
-        title="2 N cost about 6 % of the amplitude away from the focus, up to 30 % at it",
-        stated="6 % for 2 N elsewhere than at the focus, up to 30 % for the same force at it (pages 3 and 4).",
-        assumes="The prototype with supported edges, 0.2-25 kHz, one bit, T = 7 ms; the finger at 2 N is a damper; "
-        "elsewhere is the mean over five places. 4 to 8 % counts as about 6 %, 25 to 33 % as up to 30 %. The *pulp "
-        "of soft tissue* uses no constant set to a loss: a disc of the contact's area on a viscoelastic "
-        "half-space (elastic, viscous, inertial and radiating), which answers the mean motion over the disc, on "
-        "plates of tau = 2, 3.5 and 5 ms by turns; it agrees if its band holds 30 % or 6 %. Band: "
-        f"{BAND_ASSUMES}, {of_ranges(PULP)}.",
-        numbers=loss_under_finger,
-        outcome="Both numbers of the default row are calibrated: resistance (10 N s/m) and tau were chosen to meet "
-        "them, so that their agreement is no evidence. Their relation is derived: one resistance fixes the loss at "
-        "the focus for almost any tau, and tau then fixes the loss elsewhere. *Predicted* from soft tissue, the "
-        "band at the focus holds 30 %; elsewhere the band ends a little below 6 %. The pulp is mostly a mass (of 0.2 "
-        "to 0.6 g), with a resistance of about 1 to 8 N s/m up to 10 kHz, and not a damper of 10 N s/m at all "
-        "frequencies. Elsewhere it depends on what the model leaves out: the pulp answers the mean motion over its "
-        "contact, and a wave at 25 kHz is less than twice as long; a pulp that answered the centre alone would take "
-        "about 7 % there and half of the focus. The impedance of a pulp at 2 N and 5 to 25 kHz, size and phase, "
-        "would decide; no source in reach has it.",
-    ),
-    "finding-4": Reproduction(
-        title="200 Hz trains under a sinc envelope please most, single foci least",
-        stated="200 Hz and a cardinal sine are the most pleasant; a single focus is judged brief and not pleasant "
-        "(page 4); seven patterns P0 to P6 (pages 13 and 14). Scores, the other frequency and the other "
-        "envelopes are not in our sources; earlier work names 200 to 500 Hz (page 36).",
-        assumes="The patterns, level and touch of the built-in study time-reversal-patterns; 500 Hz, a rectangle and "
-        "an exponential next to 200 Hz and a sinc are unverified defaults. Pleasantness is an inverted U of the "
-        f"sensation level L, 1 - 2 min(|L - {COMFORT_DB:g} dB| / {COMFORT_RANGE_DB:g} dB, 1) (rating model of "
-        "simulated participants, unverified). A spread of the levels below 1 dB is no order.",
-        numbers=pleasant_patterns,
-        outcome="Pleasantness is here a model of the answers of people, with an optimum that is an input; it is no "
-        "result of physics, and no number of this item that is counted is derived. Physics gives how much energy a "
-        "pattern has, how many of its foci are above threshold alone, and in how many onsets they come (foci within "
-        "10 ms are one, an assumption): a train is one onset under each envelope, and the rectangle, not the sinc, "
-        "has most energy. Nothing of this orders the patterns as the thesis does. This rating model only knows how "
-        "strongly a pattern is felt, and its optimum is an input. A single focus is last because it is the weakest "
-        "and all are below the optimum; 200 Hz precedes 500 Hz under each envelope because it is felt more strongly. "
-        "Above the optimum both orders would reverse. A rectangle precedes a sinc because of its energy: nothing in "
-        "the model makes an envelope itself pleasant, no brevity, rhythm or likeness to a click.",
-    ),
-}

@@ -133,10 +133,7 @@ def thresholds_db(draws: Draws, built_in_db: Mapping[float, float], forces_n: Se
 
     Attraction is quadratic: 1 dB of voltage is 2 dB of displacement.
 
-    Parameters
-    ----------
-    built_in_db : mapping
-        Threshold of the built-in scene at 1 N by frequency.
+    - `built_in_db`: Threshold of the built-in scene at 1 N by frequency.
     """
     moved_db = gain_db(draws, list(built_in_db), forces_n) - gain_db(central(), list(built_in_db), (1.0,))
     return np.asarray(np.reshape(list(built_in_db.values()), (-1, 1)) - moved_db / 2)

@@ -18,7 +18,7 @@ from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F
 
-from .reproduction import Number, Reproduction
+from .reproduction import Number
 from .setups import FOCUS, FOUR
 
 N_X, N_Y = 120, 85
@@ -138,42 +138,3 @@ def _limits_as_quietest_m(own: DrivenFocus) -> tuple[float, float]:
     """Return amplitudes between which a signal is quietest; equal if never."""
     quieter = [each.amplitude_m for each in measurements().values() if each.sound_dba < own.sound_dba]
     return min(max(quieter, default=0.0), own.amplitude_m), own.amplitude_m
-
-
-ITEMS = {
-    "table-4.3": Reproduction(
-        title="Performance of the four driving signals",
-        stated="Only the ranking of its values is in our sources (page 16): finding-5.",
-        assumes=f"{ASSUMES} The moment per volt of a patch was set so that one bit gives about 10 um. Resolutions are "
-        "full widths at half the amplitude (in time of the envelope). Contrast is the amplitude over the rms of the "
-        "plate.",
-        numbers=_performance,
-    ),
-    "table-4.4": Reproduction(
-        title="Power consumption of the driving signals",
-        stated="Power was measured through a circuit and estimated (pages 7, 13 and 16); no values in our sources.",
-        assumes=f"{ASSUMES} A stiff supply charges the capacitance of Table 4.1 at each transition, without losses of "
-        "the amplifier; 100 foci per second for the mean.",
-        numbers=_power,
-    ),
-    "table-4.5": Reproduction(
-        title="Noise emission of the driving signals",
-        stated="Levels were measured in dBA (page 16), and filtering the audible frequencies reduces the sound (page "
-        "3); no values, distance or room in our sources.",
-        assumes=f"{ASSUMES} A baffled plate radiates into a half space, at 0.3 m, averaged over the drive and five "
-        "tau. This ranks signals; the absolute level depends on the calibrated amplitude.",
-        numbers=_sound,
-    ),
-    "finding-5": Reproduction(
-        title="One bit with filtered audible frequencies is the best in amplitude and noise",
-        stated="One bit with filtering is the most efficient in amplitude and in reducing sound (page 3).",
-        assumes=f"{ASSUMES} The sources do not weigh amplitude against sound: the quietest signal of at least half the "
-        "largest amplitude counts as the best.",
-        numbers=_comparison,
-        outcome="Reproduced for a given supply: filtering one bit costs some amplitude and removes most of the sound, "
-        "and sigma-delta modulation at the same voltage is far below the amplitude of a focus that is felt. The limit "
-        "of amplitude hardly matters (last two columns), but there must be one: at 10 um from every signal the "
-        "filtered sigma-delta drive is the quietest. At the 30 V at which one bit gives 10 um the filtered one gives "
-        "less and would not be felt: it is the best signal at one supply, not at one sensation.",
-    ),
-}

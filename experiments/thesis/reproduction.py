@@ -21,23 +21,13 @@ ORIGINS: Final[tuple[Origin, ...]] = get_args(Origin)
 class Number:
     """Reproduced number, with the statement of the sources.
 
-    Parameters
-    ----------
-    quantity, condition : str
-        Together they are unique in a table.
-    value, unit
-    origin : {"derived", "calibrated", "assumed"}
-        Result of the physics, of a constant that was set to it, or of the input.
-    stated : str
-        The statement of the thesis, or empty.
-    holds : bool or None
-        Whether the number agrees with the statement, or None without one.
-    is_variant : bool
-        The input was changed to see its effect: shown, but not counted.
-    low, high : float, optional
-        The 5 % and 95 % quantiles of the value over the spread of its sources.
-    part : str
-        Title of a table for itself on the page, or empty for the table of the item.
+    - `quantity`, `condition`: Together they are unique in a table.
+    - `origin`: Result of the physics, of a constant that was set to it, or of the input.
+    - `stated`: The statement of the thesis, or empty.
+    - `holds`: Whether the number agrees with the statement, or None without one.
+    - `is_variant`: The input was changed to see its effect: shown, but not counted.
+    - `low`, `high`: The 5 % and 95 % quantiles of the value over the spread of its sources.
+    - `part`: Title of a table for itself on the page, or empty for the table of the item.
     """
 
     quantity: str
@@ -91,25 +81,14 @@ def band_of(values: Sequence[float] | FloatArray) -> DrawnBand:
 class Reproduction:
     """Item of `tactometry reproduce`.
 
-    Parameters
-    ----------
-    title : str
-    stated : str
-        Statement of our sources, with the page.
-    assumes : str
-        Choices that no source gives.
-    numbers : callable, optional
-        Yields the numbers of a table or finding.
-    drawing : callable, optional
-        Returns a matplotlib figure, whose curves are the numbers of a figure.
-    origin : {"derived", "calibrated", "assumed"}
-        Origin of the curves of the drawing.
-    outcome : str
-        Result of a finding, and its reason.
-    ranges : tuple of SourcedRange
-        What the bands of the numbers are drawn from.
-    name : str
-        Key in `REPRODUCTIONS`.
+    - `stated`: Statement of our sources, with the page.
+    - `assumes`: Choices that no source gives.
+    - `numbers`: Yields the numbers of a table or finding.
+    - `drawing`: Returns a matplotlib figure, whose curves are the numbers of a figure.
+    - `origin`: Origin of the curves of the drawing.
+    - `outcome`: Result of a finding, and its reason.
+    - `ranges`: What the bands of the numbers are drawn from.
+    - `name`: Key in `REPRODUCTIONS`.
     """
 
     title: str

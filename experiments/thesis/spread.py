@@ -1,6 +1,6 @@
 """Ranges of uncertain values with sources, and draws from them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,14 +13,8 @@ from tactometry.stimuli.arrays import FloatArray
 class SourcedRange:
     """Values that sources leave open, all equally likely on a scale.
 
-    Parameters
-    ----------
-    name, unit : str
-    low, high : float
-        Ends of the range, above 0 on the scale "log".
-    source : str
-        Where the ends are from and how they were read, or "no source".
-    scale : {"linear", "log"}
+    - `low`, `high`: Ends of the range, above 0 on the scale "log".
+    - `source`: Where the ends are from and how they were read, or "no source".
     """
 
     name: str
@@ -63,9 +57,5 @@ def rank_correlations(drawn: Mapping[str, FloatArray], result: FloatArray) -> di
     >>> rank_correlations({"area": np.array([1.0, 2.0, 3.0])}, np.array([9.0, 4.0, 1.0]))
     {'area': -1.0}
     """
-    ranks = _ranks([result, *drawn.values()])
+    ranks = np.asarray(np.argsort(np.argsort([result, *drawn.values()], axis=1), axis=1), dtype=np.float64)
     return dict(zip(drawn, np.corrcoef(ranks)[0, 1:].round(12).tolist(), strict=True))
-
-
-def _ranks(rows: Sequence[FloatArray]) -> FloatArray:
-    return np.asarray(np.argsort(np.argsort(rows, axis=1), axis=1), dtype=np.float64)

@@ -13,9 +13,9 @@ from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resoluti
 from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F, PZ27_RELATIVE_PERMITTIVITY
 
-from .reproduction import Number, Origin, Reproduction
+from .reproduction import Number, Origin
 from .setups import RIG_BAND, rig, thick_plate
-from .studies import FORCE, FORCES_ASSUME, STUDY, cells_of, contact_of, threshold_db, touches
+from .studies import FORCE, STUDY, cells_of, contact_of, threshold_db, touches
 
 STATED_HZ = {
     "Merkel (NP III)": (NP_III, 0.0, 3.0),
@@ -192,66 +192,3 @@ THICK = (
     "thickness of the glass / diameter of the discs, end of the band."
 )
 EARLIER = "Earlier work, on another plate: eight actuators at 30 V, 10 um, resolution 10 mm (page 36)."
-ITEMS = {
-    "table-2.1": Reproduction(
-        title="Characteristics of the mechanoreceptors",
-        stated="Merkel 0-3 Hz, Ruffini 200-300 Hz, Meissner 20-50 Hz, Pacini 50-500 Hz (page 25), most sensitive near "
-        "250 Hz (page 32).",
-        assumes="Thresholds of the channels (unverified defaults after Bolanowski et al. 1988). A channel mediates "
-        "where its threshold is the lowest; a frequency agrees within half an octave. Ruffini endings have no channel.",
-        numbers=receptors,
-        outcome="All of it is input. The ends that do not agree are set by no threshold: from 3 to 20 Hz the stated "
-        "ranges name no channel, while one always has the lowest threshold, and the curve of Pacini ends at 800 Hz. "
-        "The stated ends are no limits of sensitivity: there a channel is 0 to 28 dB less sensitive than at its best, "
-        "so that no single rule gives them all.",
-    ),
-    "table-3.1": Reproduction(
-        title="Spatial resolution of the focus",
-        stated=f"The table is in mm, for 2 and 3 mm glass and discs of 12 and 35 mm (pages 11, 12 and 16); no values "
-        f"in our sources. {EARLIER}",
-        assumes=THICK,
-        numbers=widths,
-    ),
-    "table-3.2": Reproduction(
-        title="Displacement amplitude of the focus",
-        stated=f"The table is in um (page 16); no values in our sources. {EARLIER}",
-        assumes="As table-3.1. The moment per volt of a patch gives 10 um for the prototype of chapter 4, and is kept.",
-        numbers=amplitudes,
-    ),
-    "table-3.3": Reproduction(
-        title="Computed values of alpha",
-        stated="Alpha was computed for 2 and 3 mm glass (page 16); no values or definition in our sources.",
-        assumes="As table-3.1. alpha is the factor in R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean) (our reading).",
-        numbers=alphas,
-    ),
-    "table-4.1": Reproduction(
-        title="Material of the patches (PZ27)",
-        stated="The patches are of PZ27 (page 16); its data sheet is not in our sources.",
-        assumes="The constants of a ceramic of the same class (Navy type II, APC 850) stand in; the permittivity used "
-        "(1800) and the thickness of a patch (0.3 mm) are unverified defaults.",
-        numbers=patches,
-    ),
-    "table-6.1": Reproduction(
-        title="Skin and screen parameters",
-        stated="A leaky stratum corneum on an insulator (pages 13 and 16); no values in our sources.",
-        assumes="The parameter set P0 (unverified defaults). The resistivity was chosen so that the corner is near the "
-        "500 Hz that Meyer, Peshkin and Colgate (2013) predict, and do not find.",
-        numbers=skin_and_screen,
-    ),
-    "table-6.2": Reproduction(
-        title="Mean applied force of each condition",
-        stated="There were three forces, shown to the participant (pages 14 and 16); no values in our sources.",
-        assumes=FORCES_ASSUME,
-        numbers=applied_forces,
-    ),
-    "table-6.3": Reproduction(
-        title="Mean perception threshold by frequency and force",
-        stated="Thresholds are in dB re 1 V peak (page 16) for three forces (page 14) and lowest at 240 Hz (page 4); "
-        "values, other frequencies and forces are not in our sources: finding-3.",
-        assumes="Stimuli, touches and model of the built-in study electrovibration-threshold (frequencies and forces "
-        "are unverified defaults): the force of a square-root carrier vibrates at the frequency of its envelope. No "
-        "constant is set to a threshold of voltage; all levels depend on unverified defaults: the law of force, "
-        "friction, the mobility of the skin and its displacement at threshold.",
-        numbers=electrovibration_thresholds,
-    ),
-}

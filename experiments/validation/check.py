@@ -42,24 +42,13 @@ class Kind:
 class Check:
     """Check of one or more methods.
 
-    Parameters
-    ----------
-    title : str
-    words : str
-        Description of the simulation and of the expected result.
-    kind : Kind
-    keys : tuple of str
-        Columns that identify a row of the table. The last one names the method.
-    settings : mapping of str to callable
-        Simulation functions by name.
-    n_sets : int
-        Number of sets, groups or studies in a chunk of a setting.
-    reasons : mapping of str to str
-        Reasons why a method may differ from its stated value, by method.
-    figure : str
-        Name of the figure, or an empty text.
-    method : str
-        Column of `keys` with the methods, by default the last one.
+    - `words`: Description of the simulation and of the expected result.
+    - `keys`: Columns that identify a row of the table. The last one names the method.
+    - `settings`: Simulation functions by name.
+    - `n_sets`: Number of sets, groups or studies in a chunk of a setting.
+    - `reasons`: Reasons why a method may differ from its stated value, by method.
+    - `figure`: Name of the figure, or an empty text.
+    - `method`: Column of `keys` with the methods, by default the last one.
     """
 
     title: str

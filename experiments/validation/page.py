@@ -76,7 +76,12 @@ def _section(check: Check, table: pd.DataFrame) -> Iterator[str]:
     yield _table(check, table)
     yield ""
     yield from _reasons(check, departures(table))
-    yield from _pooled(check, table)
+    for name, rows in table[table["stated"].notna()].groupby(check.reason_key, sort=False):
+        n, n_yes = int(rows["n"].sum()), round(float((rows["share"] * rows["n"]).sum()))
+        stated = rows["stated"].iloc[0]
+        if (rows["verdict"] == "").all() and n and departure(n_yes, n, stated, ALPHA):
+            reason = check.reasons.get(str(name), UNEXPLAINED)
+            yield f"- *{name}*: {100 * n_yes / n:.1f} % over all rows together, {100 * stated:g} % stated: {reason}.\n"
 
 
 def _table(check: Check, table: pd.DataFrame) -> str:
@@ -98,16 +103,6 @@ def _table(check: Check, table: pd.DataFrame) -> str:
         above = names
     made = markdown((*check.keys, *(heads[name] for name in cells)), lines)
     return f"In every row {stated}.\n\n{made}" if stated else made
-
-
-def _pooled(check: Check, table: pd.DataFrame) -> Iterator[str]:
-    """Yield methods that miss the stated share only in all rows together."""
-    for name, rows in table[table["stated"].notna()].groupby(check.reason_key, sort=False):
-        n, n_yes = int(rows["n"].sum()), round(float((rows["share"] * rows["n"]).sum()))
-        stated = rows["stated"].iloc[0]
-        if (rows["verdict"] == "").all() and n and departure(n_yes, n, stated, ALPHA):
-            reason = check.reasons.get(str(name), UNEXPLAINED)
-            yield f"- *{name}*: {100 * n_yes / n:.1f} % over all rows together, {100 * stated:g} % stated: {reason}.\n"
 
 
 def _reasons(check: Check, departing: pd.DataFrame) -> Iterator[str]:

@@ -51,21 +51,18 @@ class Chunk:
 class Validation:
     """Validation to run: checks, rounds (chunks per setting) and seed.
 
-    Raises
-    ------
-    InvalidParameter
-        For an unknown check, or fewer than one round.
+    Raises `InvalidParameter` for an unknown check, or fewer than one round.
     """
 
     seed: int
     n_rounds: int = 1
-    checks: tuple[str, ...] = tuple(CHECKS)
+    checks: tuple[str, ...] = CHECKS
 
     def __post_init__(self) -> None:
         whole("Validation", lowest=1, n_rounds=self.n_rounds)
         whole("Validation", lowest=0, seed=self.seed)
         for name in self.checks:
-            one_of("check", name, tuple(CHECKS))
+            one_of("check", name, CHECKS)
 
     @property
     def chunks(self) -> list[Chunk]:
@@ -98,17 +95,10 @@ def validate(
 ) -> Validated:
     """Simulate all chunks into a folder, and return the tables.
 
-    Parameters
-    ----------
-    resume : bool
-        Continue an interrupted run, or one with fewer rounds.
-    tell : callable
-        Called with the iterator of completed files and their number.
+    Raises `InvalidFile` if the folder contains another run, or contains a run and `resume` is False.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder contains another run, or contains a run and `resume` is False.
+    - `resume`: Continue an interrupted run, or one with fewer rounds.
+    - `tell`: Called with the iterator of completed files and their number.
     """
     prepare(root, validation.asked, "validation", resume=resume)
     make_folder(root / OUTCOMES)

@@ -51,21 +51,15 @@ class Scenery:
         touch = next(reversed(progress.touches), None)
         if touch is not self._touch:
             self._touch = touch
-            self._draw_touch(touch)
+            from .traces import draw_touch
+
+            drawn = TouchDrawn() if touch is None else draw_touch(self._watcher.root, touch)
+            self._drawn = replace(self._drawn, touch=drawn)
         if progress is not self._curve_of and now_s >= self._due_s:
             self._curve_of = progress
-            self._draw_curve(progress, now_s)
+            from .curve import answers_of, curve_plot
 
-    def _draw_touch(self, touch: AnsweredTouch | None) -> None:
-        from .traces import draw_touch
-
-        drawn = TouchDrawn() if touch is None else draw_touch(self._watcher.root, touch)
-        self._drawn = replace(self._drawn, touch=drawn)
-
-    def _draw_curve(self, progress: Progress, now_s: float) -> None:
-        from .curve import answers_of, curve_plot
-
-        answers = answers_of(progress)
-        if answers != self._answers:
-            self._answers, self._due_s = answers, now_s + CURVE_EVERY_S
-            self._drawn = replace(self._drawn, curve=None if answers is None else curve_plot(answers))
+            answers = answers_of(progress)
+            if answers != self._answers:
+                self._answers, self._due_s = answers, now_s + CURVE_EVERY_S
+                self._drawn = replace(self._drawn, curve=None if answers is None else curve_plot(answers))

@@ -50,10 +50,7 @@ NO_LIBRARY: Final = "watch: found no library for its page ({error}); pip install
 def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int | None:
     """Return the HTTP status for a rejected request, or None if allowed.
 
-    Parameters
-    ----------
-    headers : mapping of str to str
-        Headers by lower-case name.
+    - `headers`: Headers by lower-case name.
 
     >>> refusal({"host": "127.0.0.1:8000"}, "/t/", 8000, "t"), refusal({"host": "127.0.0.1:8000"}, "/", 8000, "t")
     (None, 404)
@@ -119,10 +116,7 @@ async def news(scenery: Scenery) -> AsyncIterator[bytes]:
 def application(scenery: Scenery, port: int, token: str) -> "Starlette":
     """Return the application, served at a port under the token's path.
 
-    Raises
-    ------
-    DeviceFailed
-        If the library of the server is not installed.
+    Raises `DeviceFailed` if the library of the server is not installed.
     """
     with library_needed(NO_LIBRARY):
         from starlette.applications import Starlette
@@ -153,17 +147,10 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
 
     `tell` receives the address, which contains the token.
 
-    Parameters
-    ----------
-    port : int
-        Port to listen at. 0 selects any free port.
-    until : binary file, optional
-        Stream whose end stops the server. A thread reads it.
+    Raises `DeviceFailed` if the port is in use, or the library of the server is not installed.
 
-    Raises
-    ------
-    DeviceFailed
-        If the port is in use, or the library of the server is not installed.
+    - `port`: Port to listen at. 0 selects any free port.
+    - `until`: Stream whose end stops the server. A thread reads it.
     """
     with library_needed(NO_LIBRARY):
         import uvicorn

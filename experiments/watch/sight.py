@@ -18,22 +18,13 @@ if TYPE_CHECKING:
 class Sight:
     """State of a session, as shown on the page.
 
-    Parameters
-    ----------
-    name : str
-        Name of the journal, or empty if none exists yet.
-    heads : tuple of Head
-        Heads of the sittings (parts of the session).
-    complete, halted : bool
-        True if the journal states that the session is over, or that its sitting was stopped.
-    abandoned : bool
-        True if no process writes the journal any more, although the session neither ended nor was stopped.
-    written_s : float
-        Time of the last write to the journal (s since 1970).
-    problem : str
-        Reason why the journal cannot be read, or an empty text.
-    parts : tuple of PartAhead
-        Planned parts of the session, which the journal does not contain. Empty if unknown.
+    - `name`: Name of the journal, or empty if none exists yet.
+    - `heads`: Heads of the sittings (parts of the session).
+    - `complete`, `halted`: True if the journal states that the session is over, or that its sitting was stopped.
+    - `abandoned`: True if no process writes the journal any more, although the session neither ended nor was stopped.
+    - `written_s`: Time of the last write to the journal (s since 1970).
+    - `problem`: Reason why the journal cannot be read, or an empty text.
+    - `parts`: Planned parts of the session, which the journal does not contain. Empty if unknown.
     """
 
     name: str = ""

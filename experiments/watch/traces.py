@@ -30,12 +30,8 @@ def draw_touch(root: Path, touch: AnsweredTouch) -> TouchDrawn:
 def samples_plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | None:
     """Plot a sensor over time, with a line per axis. Returns None if empty.
 
-    Parameters
-    ----------
-    rows : (n_samples, 1 + n_axes) array
-        Time stamps (s from the start of the session) and values.
-    touch : AnsweredTouch
-        Touch whose requested force and stimulus interval are drawn as areas.
+    - `rows`: Time stamps (s from the start of the session) and values.
+    - `touch`: Touch whose requested force and stimulus interval are drawn as areas.
     """
     times_s, values = rows[:, 0] - touch.answer.onset_s, rows[:, 1:]
     known, request = values[np.isfinite(values)], touch.request

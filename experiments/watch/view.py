@@ -1,6 +1,6 @@
 """Texts, numbers and plots of the page, before rendering as HTML."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil
 from typing import NamedTuple
@@ -9,7 +9,6 @@ from tactometry.analysis.wording import in_unit, level_of, number_text, plain_te
 from tactometry.errors import count_of
 from tactometry.rigs.texts import reason_words
 from tactometry.session.progress import AnsweredTouch, PartAhead, Progress, TrackProgress
-from tactometry.session.request import Fact
 from tactometry.trials.tasks import TASKS, YES_OR_NO
 from tactometry.trials.trial import Trial
 
@@ -209,7 +208,9 @@ def quality(progress: Progress) -> Iterator[Named]:
     for key, (last_s, longest_s) in progress.timing.items():
         yield Named(DELAYS[key], f"{_ms(last_s)}, longest {_ms(longest_s)}")
     for device, facts in progress.clocks.items():
-        yield Named(f"Clock of {device}", _clock(facts))
+        drift = facts.get("clock_drift")  # known from the second block on
+        text = f"drift {1e6 * drift:.3g} µs/s" if isinstance(drift, int | float) else "drift not known yet"
+        yield Named(f"Clock of {device}", text)
 
 
 def _ms(lasting_s: float) -> str:
@@ -218,12 +219,6 @@ def _ms(lasting_s: float) -> str:
     ('12.3 ms', '1735 ms')
     """
     return f"{1e3 * lasting_s:.{1 if lasting_s < 0.1 else 0}f} ms"
-
-
-def _clock(facts: Mapping[str, Fact]) -> str:
-    """Describe the drift of a clock, which is known from the second block on."""
-    drift = facts.get("clock_drift")
-    return f"drift {1e6 * drift:.3g} µs/s" if isinstance(drift, int | float) else "drift not known yet"
 
 
 def devices(sight: Sight) -> Iterator[Named]:

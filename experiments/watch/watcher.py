@@ -53,7 +53,12 @@ class Watcher:
             self._read(self._follower, now_s)
         if self._follower is not None and now_s >= self._alive_s:
             self._alive_s = now_s + LOOK_AROUND_S
-            self._check_alive(self._follower)
+            sight = self._sight
+            is_quiet = time.time() - sight.written_s > QUIET_S
+            ended = sight.complete or sight.halted or not sight.name
+            abandoned = not ended and is_quiet and not is_written(self._follower.path)
+            if abandoned != sight.abandoned:
+                self._sight = replace(sight, abandoned=abandoned)
         return self._sight
 
     @property
@@ -71,14 +76,6 @@ class Watcher:
         newest = max(self._journals(), key=_written_s, default=None)
         if newest is not None and (self._follower is None or newest != self._follower.path):
             self._follower, self._sight, self._again_s = Follower(newest), Sight(newest.stem), -float("inf")
-
-    def _check_alive(self, follower: Follower) -> None:
-        sight = self._sight
-        is_quiet = time.time() - sight.written_s > QUIET_S
-        ended = sight.complete or sight.halted or not sight.name
-        abandoned = not ended and is_quiet and not is_written(follower.path)
-        if abandoned != sight.abandoned:
-            self._sight = replace(sight, abandoned=abandoned)
 
     def _read(self, follower: Follower, now_s: float) -> None:
         try:

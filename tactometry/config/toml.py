@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
@@ -103,3 +103,16 @@ def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str
     """Load a TOML file of a package. `parse` receives bytes and error prefix."""
     one_of(what, name, shipped_in(package))
     return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")
+
+
+def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table with some keys changed, including keys of inner tables.
+
+    >>> merge({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
+    {'a': 1, 'b': {'c': 4, 'd': 3}}
+    """
+    changed = dict(table)
+    for key, value in change.items():
+        are_tables = isinstance(value, Mapping) and isinstance(table.get(key), Mapping)
+        changed[key] = merge(table[key], value) if are_tables else value
+    return changed

@@ -8,14 +8,12 @@ import pytest
 
 from tactometry.arguments.require import positive
 from tactometry.config.strict import build
-from tactometry.config.toml import read_table
+from tactometry.config.toml import merge, read_table
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.bench.bench_file import parse_bench
 from tactometry.experiments.reference.keys import Key, block, keys_of, summary
 from tactometry.experiments.reference.pages import path_of, text_of
-from tactometry.experiments.reference.study_tables import GREY
 from tactometry.experiments.reference.tables import PAGES, KeyTable, tables
-from tactometry.experiments.study.cells import merge
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse, shipped
 
@@ -58,7 +56,7 @@ def names_of(name):
 @pytest.fixture
 def example_files(tmp_path, monkeypatch):
     """Create the files that the examples name in a temporary folder."""
-    (tmp_path / "grey.csv").write_bytes(GREY)
+    (tmp_path / "grey.csv").write_bytes(b"0.0,1.0,0.2\n")
     monkeypatch.chdir(tmp_path)
 
 

@@ -87,13 +87,9 @@ first_order = partial(modulated, 1)
 second_order = partial(modulated, 2)
 
 
-def _tone(rate_hz: float) -> Real:
-    times_s = np.arange(round(TONE_LASTS_S * rate_hz)) / rate_hz
-    return TONE_AMPLITUDE * np.sin(2 * np.pi * TONE_HZ * times_s)
-
-
 def _modulation(order: int, rate_hz: float) -> Complex:
-    return _spectrum(modulate(_tone(rate_hz)[None, :], order).bits[0])
+    times_s = np.arange(round(TONE_LASTS_S * rate_hz)) / rate_hz
+    return _spectrum(modulate((TONE_AMPLITUDE * np.sin(2 * np.pi * TONE_HZ * times_s))[None, :], order).bits[0])
 
 
 def _spectrum(samples: NDArray[np.generic]) -> Complex:

@@ -14,8 +14,15 @@ from tactometry.stimuli.electrovibration.textures.texture import Grating, Shape
 from tactometry.stimuli.time_reversal.figures.style import colours, label, sheet
 
 from ...study.cells import WiredCell
-from ..reproduction import Reproduction
-from ..studies import FORCE, FORCES_ASSUME, cells_of, contact_of, experiment, sensation_db, simulated_trials, touches
+from ..studies import (
+    FORCE,
+    cells_of,
+    contact_of,
+    experiment,
+    sensation_db,
+    simulated_trials,
+    touches,
+)
 from . import electrovibration
 
 if TYPE_CHECKING:
@@ -146,93 +153,26 @@ def textures() -> Figure:
     return electrovibration.input_against_position(gratings)
 
 
-PROFILES: dict[str, tuple[str, Callable[[], Figure], str]] = {
-    "5.9": ("The single focus by word pairs", partial(word_pairs, "P0"), "Brief, not pleasant (page 4)."),
-    "5.10": ("P0 to P3 by word pairs", partial(word_pairs, "P0", "P1", "P2", "P3"), ""),
-    "5.11": ("P0 and P4 to P6 by word pairs", partial(word_pairs, "P0", "P4", "P5", "P6"), ""),
-    "5.12": (
-        "Low and high frequency by word pairs",
-        partial(grouped_word_pairs, "frequency"),
-        "200 Hz pleases most (page 4).",
-    ),
-    "5.13": (
-        "Envelopes by word pairs",
-        partial(grouped_word_pairs, "envelope"),
-        "A cardinal sine pleases most (page 4).",
-    ),
-    **{f"A.{n + 1}": (f"Pattern P{n} by word pairs", partial(word_pairs, f"P{n}"), "") for n in range(7)},
+ASSUMES = (
+    f"{N_RATERS} simulated participants of the built-in study {PATTERN_STUDY} with seed 1, and its form: the items of "
+    "the thesis were inspired by the AttrakDiff, our sources do not say which. One rating model, an inverted U of the "
+    "sensation level (unverified), answers each item: word pairs of a pattern differ by chance alone."
+)
+DRAWN: Mapping[str, Callable[[], Figure]] = {
+    "5.7": rate_by_amplitude,
+    "5.9": partial(word_pairs, "P0"),
+    "5.10": partial(word_pairs, "P0", "P1", "P2", "P3"),
+    "5.11": partial(word_pairs, "P0", "P4", "P5", "P6"),
+    "5.12": partial(grouped_word_pairs, "frequency"),
+    "5.13": partial(grouped_word_pairs, "envelope"),
+    "6.3": textures,
+    "6.5": electrovibration.force_against_area,
+    "6.6": electrovibration.skin_properties,
+    "6.8": electrovibration.force_for_inputs,
+    "6.12": mean_force_by_condition,
+    "6.13": forces_of_trials,
+    "6.15": rate_by_frequency,
+    **{f"A.{n + 1}": partial(word_pairs, f"P{n}") for n in range(7)},
+    "B.1": electrovibration.contact_ellipse,
 }
-ITEMS = {
-    "figure-5.7": Reproduction(
-        title="Mean detection rate against amplitude",
-        stated="A threshold of about 10 um (page 4): finding-1.",
-        assumes=f"{PEOPLE} The threshold of 10 um is an input.",
-        drawing=rate_by_amplitude,
-        origin="calibrated",
-    ),
-    **{
-        f"figure-{number}": Reproduction(
-            title=title,
-            stated=stated,
-            assumes=f"{N_RATERS} simulated participants of the built-in study {PATTERN_STUDY} with seed 1, and its "
-            "form: the items of the thesis were inspired by the AttrakDiff, our sources do not say which. One rating "
-            "model, an inverted U of the sensation level (unverified), answers each item: word pairs of a pattern "
-            "differ by chance alone.",
-            drawing=drawing,
-            origin="assumed",
-        )
-        for number, (title, drawing, stated) in PROFILES.items()
-    },
-    "figure-6.3": Reproduction(
-        title="Input signal against the position of the finger",
-        stated="",
-        assumes="Gratings of 4 mm and a carrier that is visible.",
-        drawing=textures,
-        origin="assumed",
-    ),
-    "figure-6.5": Reproduction(
-        title="Electrostatic force against contact area",
-        stated="",
-        assumes="The parameter set P0 of Table 6.1, a step of 100 V, each of four published laws.",
-        drawing=electrovibration.force_against_area,
-    ),
-    "figure-6.6": Reproduction(
-        title="Resistivity and permittivity of the corneum and of deeper tissue",
-        stated="From Yamamoto and Yamamoto.",
-        assumes="Both tables are unverified defaults.",
-        drawing=electrovibration.skin_properties,
-        origin="assumed",
-    ),
-    "figure-6.8": Reproduction(
-        title="Electrostatic force of a step, a trapeze and a sine for several areas",
-        stated="",
-        assumes="The parameter set P0 of Table 6.1, 40 dB re 1 V, 0.5 to 1.5 cm2, the law of the corneum's layer.",
-        drawing=electrovibration.force_for_inputs,
-    ),
-    **{
-        f"figure-{number}": Reproduction(
-            title=title, stated="", assumes=FORCES_ASSUME, drawing=drawing, origin="assumed"
-        )
-        for number, title, drawing in (
-            ("6.12", "Mean applied force of each condition, by frequency", mean_force_by_condition),
-            ("6.13", "Applied force of each trial, by condition", forces_of_trials),
-        )
-    },
-    "figure-6.15": Reproduction(
-        title="Mean detection rate against frequency for three forces",
-        stated="The lowest thresholds at 240 Hz (page 4): finding-3.",
-        assumes=f"{PEOPLE} All at {FRICTION_LEVEL_DB:g} dB re 1 V peak, at which some are felt; forces and frequencies "
-        "are those of the built-in study (unverified). No constant is set to a voltage, but the input was chosen for "
-        "the frequency at which its force vibrates, and so for the frequency felt most. Our sources do not say over "
-        "which levels the thesis's mean is taken.",
-        drawing=rate_by_frequency,
-        origin="assumed",
-    ),
-    "figure-B.1": Reproduction(
-        title="Inked surface against force, as ellipses",
-        stated="0.2, 1.5, 3.0 and 7.0 N, the surface of an ellipse.",
-        assumes="The axes of the prints are unverified defaults.",
-        drawing=electrovibration.contact_ellipse,
-        origin="assumed",
-    ),
-}
+"""Function that returns each figure."""

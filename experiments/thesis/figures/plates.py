@@ -35,7 +35,6 @@ from tactometry.stimuli.time_reversal.responses.responses import Point, impulse_
 from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
-from ..reproduction import Origin, Reproduction
 from ..setups import FOCI, FOCUS, FOUR, P1, RIG_BAND, UNFILTERED, one_sided, rig, thick_plate
 from . import focus, prototype
 
@@ -203,106 +202,35 @@ def loss_over_force(forces_n: Sequence[float] = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 
     return prototype.loss_over_force(rows)
 
 
-DERIVED: Origin = "derived"
-SET: Origin = "calibrated"
-CHOSEN: Origin = "assumed"
-OTHERS = "The thesis took it from other work."
-FIRST_BY_OTHERS = "The thesis took the first from other work."
-ONE_SIDE = "32 square transducers on one side of the plate"
-DRAWN: Mapping[str, tuple[Callable[..., Figure], Origin, str, str]] = {
-    "3.4": (modal_density, DERIVED, "Characteristic time and density of modes", ""),
-    "3.8": (
-        lambda emission=RIG_BAND: focus.displacement_map(rig(35e-3), FOCUS, emission),
-        SET,
-        "Focus at 0-25 kHz and a cut through it",
-        "",
-    ),
-    "3.9": (resolution_over_bandwidth, DERIVED, "Resolution against bandwidth, 2 and 3 mm", ""),
-    "3.11": (
-        lambda: focus.amplitude_over_bandwidth({f"{d} mm discs": rig(1e-3 * d) for d in (12, 35)}, FOCUS, RIG_BAND),
-        SET,
-        "Amplitude with 12 and 35 mm discs",
-        "",
-    ),
-    "3.13": (
-        lambda emission=RIG_BAND: focus.scans_per_band(rig(35e-3), FOCUS, BANDS, emission),
-        SET,
-        "Focus for several bands",
-        "",
-    ),
-    "3.14": (frequency_response, SET, "Response at the focus to 10 kHz", ""),
-    "3.15": (stress_and_deflection_over_thickness, DERIVED, "Bending stress and deflection under 2 N", ""),
-    "3.16": (resolution_over_mean_frequency, DERIVED, "Resolution against mean frequency", ""),
-    "3.18": (amplitude_over_reversal, DERIVED, "Amplitude against reversal time", ""),
-    "3.19": (repeated_focus, SET, "A focus repeated", OTHERS),
-    "3.20": (time_constants, SET, "The time constants, and what a short repetition costs", ""),
-    "3.21": (contrast_over_transducers, DERIVED, "Contrast by transducers and reversal time", FIRST_BY_OTHERS),
-    "4.9": (focus.modulator_noise, DERIVED, "Quantisation noise of the modulators", ""),
-    "4.11": (decay_fit, CHOSEN, "Exponential fitted to an impulse response", ""),
-    "4.13": (
-        lambda: focus.noise_window(A4_PROTOTYPE, FOCUS, RIG_BAND),
-        SET,
-        "Focus in time, and the window of its noise",
-        "",
-    ),
-    "4.15": (
-        lambda emissions=FOUR: focus.four_signals(A4_PROTOTYPE, FOCUS, emissions),
-        SET,
-        "The four driving signals in time and space",
-        "",
-    ),
-    "4.25": (sound, SET, "Sound of the four driving signals", ""),
-    "4.28": (lambda: prototype.layout(A4_PROTOTYPE, FOCI), CHOSEN, "Positions of transducers and foci", ""),
-    "4.29": (
-        lambda: prototype.amplitude_per_transducer(_contributions()),
-        SET,
-        "Amplitude of each transducer alone",
-        "",
-    ),
-    "4.30": (
-        lambda: prototype.amplitude_over_count(amplitude_over_count_m(_contributions(), np.random.default_rng(0))),
-        SET,
-        "Amplitude against number of transducers",
-        "",
-    ),
-    "4.31": (
-        lambda: prototype.amplitude_by_subset(amplitude_by_subset_m(_contributions(), SUBSETS)),
-        SET,
-        "Amplitude by subset of transducers",
-        "",
-    ),
-    "4.33": (
-        lambda: prototype.layout(one_sided(), FOCI),
-        CHOSEN,
-        ONE_SIDE,
-        "32 square transducers are on one side.",
-    ),
-    "4.34": (one_sided_resolution, DERIVED, "Resolution of each focus, patches on one side", ""),
+ASSUMES = (
+    "Plate, edges, layout, tau (from finding-2), band and drive of the gallery (unverified defaults). Amplitudes are "
+    "proportional to the moment per volt of a patch, set so that one bit gives 10 um at 30 V."
+)
+DRAWN: Mapping[str, Callable[..., Figure]] = {
+    "3.4": modal_density,
+    "3.8": lambda emission=RIG_BAND: focus.displacement_map(rig(35e-3), FOCUS, emission),
+    "3.9": resolution_over_bandwidth,
+    "3.11": lambda: focus.amplitude_over_bandwidth({f"{d} mm discs": rig(1e-3 * d) for d in (12, 35)}, FOCUS, RIG_BAND),
+    "3.13": lambda emission=RIG_BAND: focus.scans_per_band(rig(35e-3), FOCUS, BANDS, emission),
+    "3.14": frequency_response,
+    "3.15": stress_and_deflection_over_thickness,
+    "3.16": resolution_over_mean_frequency,
+    "3.18": amplitude_over_reversal,
+    "3.19": repeated_focus,
+    "3.20": time_constants,
+    "3.21": contrast_over_transducers,
+    "4.9": focus.modulator_noise,
+    "4.11": decay_fit,
+    "4.13": lambda: focus.noise_window(A4_PROTOTYPE, FOCUS, RIG_BAND),
+    "4.15": lambda emissions=FOUR: focus.four_signals(A4_PROTOTYPE, FOCUS, emissions),
+    "4.25": sound,
+    "4.28": lambda: prototype.layout(A4_PROTOTYPE, FOCI),
+    "4.29": lambda: prototype.amplitude_per_transducer(_contributions()),
+    "4.30": lambda: prototype.amplitude_over_count(amplitude_over_count_m(_contributions(), np.random.default_rng(0))),
+    "4.31": lambda: prototype.amplitude_by_subset(amplitude_by_subset_m(_contributions(), SUBSETS)),
+    "4.33": lambda: prototype.layout(one_sided(), FOCI),
+    "4.34": one_sided_resolution,
+    "5.4": loss_over_force,
+    "5.8": focus.pattern_waveforms,
 }
-"""Drawing, origin, title, and statement of our sources next to the caption."""
-ITEMS = {
-    f"figure-{number}": Reproduction(
-        title=title,
-        stated=stated,
-        assumes="Plate, edges, layout, tau (from finding-2), band and drive of the gallery (unverified defaults). "
-        "Amplitudes are proportional to the moment per volt of a patch, set so that one bit gives 10 um at 30 V.",
-        drawing=drawing,
-        origin=origin,
-    )
-    for number, (drawing, origin, title, stated) in DRAWN.items()
-} | {
-    "figure-5.4": Reproduction(
-        title="Loss of amplitude against force, at P1 and at the focus",
-        stated="6 % and up to 30 % at 2 N (page 3): finding-2.",
-        assumes="The finger is set to these losses; other contactors and the growth with force are unverified.",
-        drawing=loss_over_force,
-        origin="calibrated",
-    ),
-    "figure-5.8": Reproduction(
-        title="Patterns tested",
-        stated="200 Hz and a cardinal sine are among them (page 4).",
-        assumes="The other frequency and envelopes, and the duration, are unverified defaults.",
-        drawing=focus.pattern_waveforms,
-        origin="assumed",
-    ),
-}
+"""Function that returns each figure. Arguments make some of them smaller."""

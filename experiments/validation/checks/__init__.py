@@ -1,27 +1,27 @@
-"""Checks by name. Each is imported when requested."""
+"""Checks by name, listed in `checks.toml`. Each is imported when requested."""
 
-from collections.abc import Mapping
-from typing import Final
+from importlib import import_module
+from importlib.resources import files
+from typing import Any, Final
 
-from ...harness import item
+from tactometry.config.toml import table_of
+from tactometry.loading import resolve
+
 from ..check import Check
 
-_HERE: Final = "tactometry.experiments.validation.checks"
-CHECKS: Final[Mapping[str, str]] = {
-    "thresholds": f"{_HERE}.thresholds:CHECK",
-    "comparisons": f"{_HERE}.comparisons:CHECK",
-    "calibration": f"{_HERE}.calibration:CHECK",
-    "false-alarms": f"{_HERE}.values:FALSE_ALARMS",
-    "effects": f"{_HERE}.values:EFFECTS",
-    "false-alarms-of-answers": f"{_HERE}.answers:FALSE_ALARMS",
-    "effects-of-answers": f"{_HERE}.answers:EFFECTS",
-    "false-alarms-of-ratings": f"{_HERE}.ratings:FALSE_ALARMS",
-    "effects-of-ratings": f"{_HERE}.ratings:EFFECTS",
-}
-"""Import target of each check."""
+_LISTED: Final[dict[str, dict[str, Any]]] = table_of(
+    (files(__package__) / "checks.toml").read_bytes(), "checks.toml", "a table of checks"
+)
+CHECKS: Final = tuple(_LISTED)
+"""Names of the checks, in the order of the page."""
 
 
 def check_of(name: str) -> Check:
     """Return a check by its name."""
-    check: Check = item(CHECKS, name)
-    return check
+    said = dict(_LISTED[name])
+    module, _, settings = said.pop("settings").partition(":")
+    simulations = import_module(f"{__name__}.{module}")
+    words = said.pop("words").format(m=simulations)
+    kind = resolve(f"{Check.__module__}:{said.pop('kind')}")
+    keys = tuple(said.pop("keys"))
+    return Check(name=name, words=words, kind=kind, keys=keys, settings=getattr(simulations, settings), **said)

@@ -18,7 +18,7 @@ from tactometry.analysis.tasks.cells import estimate_table, estimates
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import PsychometricFunction
 
-from ..check import ESTIMATES, NO_ANSWER, TESTS, Check, Estimate, Simulate
+from ..check import NO_ANSWER, Estimate, Simulate
 
 N_PARTICIPANTS, N_CONDITIONS, N_TRIALS = 10, 3, 14
 LEVELS: Final = np.linspace(8.0, 32.0, 7)
@@ -120,33 +120,10 @@ def _settings(simulate: Any) -> Mapping[str, Simulate]:
     return {f"own differences of {sd:g} dB": partial(simulate, sd) for sd in CELL_SDS_DB}
 
 
-_PEOPLE: Final = f"""\
+PEOPLE: Final = f"""\
 {N_PARTICIPANTS} participants answer {N_TRIALS} two-alternative trials at each of {len(LEVELS)} levels in
 {N_CONDITIONS} conditions. Thresholds have a mean of {MEAN_DB:g} dB, an SD of {PARTICIPANT_SD_DB:g} dB between
 participants, and an SD of `own_sd_db` between a participant's conditions. Psychometric functions are normal, with
 widths of {WIDTH_DB:g} dB that vary by {WIDTH_LOG_SD:.0%}, and {LAPSE_RATE:.0%} lapses."""
-REASONS: Final = {
-    "hierarchical": "with few participants, the prior of their deviations leads to larger estimated differences",
-}
-FALSE_ALARMS: Final = Check(
-    title="Tests of a group, from answers",
-    words=f"""\
-{_PEOPLE} Without an effect, 5 % of tests should have p < 5 %. With an effect of {EFFECT_DB:g} dB from the first
-condition to the last, the share is the power.""",
-    kind=TESTS,
-    keys=("own_sd_db", "effect", "test"),
-    settings=_settings(false_alarms),
-    n_sets=5,
-    reasons=REASONS,
-    figure="tests-of-answers",
-)
-EFFECTS: Final = Check(
-    title="Effects in a group, from answers",
-    words=f"{_PEOPLE} The last condition is {EFFECT_DB:g} dB above the first.",
-    kind=ESTIMATES,
-    keys=("own_sd_db", "method"),
-    settings=_settings(effects),
-    n_sets=5,
-    reasons=REASONS,
-    figure="effects-of-answers",
-)
+FALSE_ALARMS: Final[Mapping[str, Simulate]] = _settings(false_alarms)
+EFFECTS: Final[Mapping[str, Simulate]] = _settings(effects)

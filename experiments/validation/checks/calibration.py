@@ -34,7 +34,7 @@ from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.weighing import normalised
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
-from ..check import RANKS, Check
+from ..check import Simulate
 
 Array = NDArray[np.float64]
 LEVELS: Final = np.linspace(-0.5, 0.5, 7)
@@ -165,20 +165,8 @@ QUEST_PLUS: Final[Mapping[str, tuple[float, int]]] = {
     "QUEST+, 2AFC, 60 trials": (0.5, 60),
     "QUEST+, yes/no, 30 trials": (0.03, 30),
 }
-CHECK: Final = Check(
-    title="Simulation-based calibration",
-    words=f"""\
-True values are drawn from the prior, and answers from the true values. The rank of a true value in its posterior is
-then uniformly distributed (Talts et al. 2018). Fits have seven constant levels ({
-        ", ".join(f"{each.n_trials} trials at each for {name}" for name, each in MODELS.items())
-    }), since adaptive levels would change their prior. The median and the ends of nine central intervals divide the
-posterior into twentieths. For QUEST+, the posterior consists of the weights of its grid after its own tracks. p is from
-the exact Kolmogorov-Smirnov test.""",
-    kind=RANKS,
-    keys=("posterior", "quantity"),
-    settings={name: partial(of_fit, name) for name in MODELS}
-    | {name: partial(of_quest_plus, name) for name in QUEST_PLUS},
-    n_sets=40,
-    method="posterior",
-    figure="ranks",
-)
+TRIALS: Final = ", ".join(f"{each.n_trials} trials at each for {name}" for name, each in MODELS.items())
+SETTINGS: Final[Mapping[str, Simulate]] = {
+    **{name: partial(of_fit, name) for name in MODELS},
+    **{name: partial(of_quest_plus, name) for name in QUEST_PLUS},
+}

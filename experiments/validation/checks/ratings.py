@@ -16,7 +16,7 @@ from tactometry.rigs.simulated import value_of
 
 from ...study.session_plan import stream
 from ...study.task_table import dimensions_of
-from ..check import ESTIMATES, TESTS, Check
+from ..check import Simulate
 
 FORM: Final = load("attrakdiff")
 DIMENSION: Final = "PQ"
@@ -100,30 +100,8 @@ def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["method", "estimate", "low", "high"]).assign(truth=0.0)
 
 
-_PEOPLE: Final = f"""\
+PEOPLE: Final = f"""\
 {N_PARTICIPANTS} simulated participants ([observer.raters](../reference/people.md)) rate seven patterns with
 AttrakDiff's 28 word pairs, in whole steps, as in the study `time-reversal-patterns`. Pragmatic quality is tested."""
-FALSE_ALARMS: Final = Check(
-    title="Tests of questionnaires",
-    words=f"""\
-{_PEOPLE} Without an effect, 5 % of tests should have p < 5 %. With an attitude that is {ATTITUDE:g} higher for the
-three patterns of the high frequency, the share is the power of *frequency* and *against P0*. *envelope* and the
-interaction never have an effect.""",
-    kind=TESTS,
-    keys=("effect", "test"),
-    settings={"patterns": false_alarms},
-    n_sets=10,
-    reasons={
-        "against P0, Holm: any of six": "Holm's correction guarantees at most 5 % for any dependence. The rate is "
-        "lower if comparisons share the reference",
-    },
-    figure="tests-of-ratings",
-)
-EFFECTS: Final = Check(
-    title="Intervals of questionnaires",
-    words=f"{_PEOPLE} There is no effect. Estimated are the mean of a pattern, and the difference of two patterns.",
-    kind=ESTIMATES,
-    keys=("method",),
-    settings={"patterns": effects},
-    n_sets=10,
-)
+FALSE_ALARMS: Final[Mapping[str, Simulate]] = {"patterns": false_alarms}
+EFFECTS: Final[Mapping[str, Simulate]] = {"patterns": effects}

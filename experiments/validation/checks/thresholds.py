@@ -18,7 +18,6 @@ from tactometry.psychometric import PsychometricFunction
 from ...bias_study import participants as simulated
 from ...bias_study.participants import (
     AT_CHANCE,
-    FALSE_ALARM_RATE,
     HIGH_DB,
     INSIDE,
     LAPSE_RATE,
@@ -28,7 +27,7 @@ from ...bias_study.participants import (
     SimulatedTask,
     Tracks,
 )
-from ..check import ESTIMATES, Check
+from ..check import Simulate
 
 N_TRIALS: Final = 60
 N_GROUP: Final = 10
@@ -73,7 +72,8 @@ def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Ge
     catch = {"n_false_alarms": rng.binomial(n_catch, task.guess_rate, n_sets), "n_catch": np.full(n_sets, n_catch)}
     told: dict[str, Any] = {"shape": SHAPE, "guess_rate": task.told}
     by_fit = {"the rule's own": _of_rule(procedure, task, made)} | _of_fits(made, told | catch)
-    by_fit["hierarchical"] = _of_groups(made, told, catch)
+    groups = [slice(first, first + N_GROUP) for first in range(0, len(made.answers), N_GROUP)]
+    by_fit["hierarchical"] = pd.concat([_of_group(made, told, catch, members) for members in groups])
     tables = [table.assign(procedure=procedure, task=task.name, fit=fit) for fit, table in by_fit.items()]
     return pd.concat([table for table in tables if table["estimate"].notna().any()], ignore_index=True)
 
@@ -114,11 +114,6 @@ def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float
     return table.assign(truth=made.thresholds_db)
 
 
-def _of_groups(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
-    groups = [slice(first, first + N_GROUP) for first in range(0, len(made.answers), N_GROUP)]
-    return pd.concat([_of_group(made, told, catch, members) for members in groups])
-
-
 def _of_group(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray[Any]], members: slice) -> pd.DataFrame:
     counts = [part[members] for part in _counts(made)]
     n_people, n_trials = counts[0].shape
@@ -133,33 +128,9 @@ def _of_group(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray
     return people.assign(truth=made.thresholds_db[members])
 
 
-CHECK: Final = Check(
-    title="Thresholds of one participant",
-    words=f"""\
-Each participant answers {N_TRIALS} trials of a procedure with levels from {LOW_DB:g} to {HIGH_DB:g} dB (constant
-stimuli: from 8 to 32 dB in steps of 4). The psychometric function is a Gumbel function with a threshold in the middle
-half of the levels, a width from 4 to 16 dB (uniform on a logarithmic scale), and {LAPSE_RATE:.0%} lapses. In yes/no
-tasks, there are {FALSE_ALARM_RATE:.0%} false alarms, and one catch trial to four trials. Errors and widths are in dB.
-The fits receive the same information as in `analyse`: the shape and, in forced choice, the guess rate, with
-psignifit's priors. Mode (reported by `analyse` in yes/no), median (in forced choice) and mean share an interval.
-*the rule's own* estimate is compared with the target level of the rule. A hierarchical fit has {N_GROUP}
-participants.""",
-    kind=ESTIMATES,
-    keys=("procedure", "task", "fit"),
-    settings={
-        f"{procedure}, {task.name}": partial(outcomes, procedure, task)
-        for procedure in PROCEDURES
-        for task in CHOSEN
-        if (procedure, task.name) not in LEFT_OUT
-    },
-    n_sets=10,
-    reasons={
-        "hierarchical": "a Bayesian interval is exact on average over its priors, and the model assumes normally "
-        "distributed thresholds, whereas the simulated ones are uniform",
-        "posterior, mode": "a Bayesian interval is exact on average over its priors, but the lapse rates and widths of "
-        "these participants vary less than the priors",
-        "posterior, median": "same reason as for the mode, which has the same interval",
-        "posterior, mean": "same reason as for the mode, which has the same interval",
-    },
-    figure="thresholds",
-)
+SETTINGS: Final[Mapping[str, Simulate]] = {
+    f"{procedure}, {task.name}": partial(outcomes, procedure, task)
+    for procedure in PROCEDURES
+    for task in CHOSEN
+    if (procedure, task.name) not in LEFT_OUT
+}

@@ -15,7 +15,7 @@ from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
 
-from ..check import ESTIMATES, NO_ANSWER, TESTS, Check, Estimate, Simulate
+from ..check import NO_ANSWER, Estimate, Simulate
 
 N_CONDITIONS: Final = 4
 EFFECT: Final = 1.1
@@ -130,45 +130,9 @@ def _settings(simulate: Callable[..., pd.DataFrame]) -> Mapping[str, Simulate]:
     return {f"{errors}, {n} participants": partial(simulate, errors, n) for errors, n in DESIGNS}
 
 
-_PEOPLE: Final = f"""\
+PEOPLE: Final = f"""\
 Values of participants in {N_CONDITIONS} conditions are normally distributed. Participants differ with an SD of
 {PARTICIPANTS_SD:g} standard deviations of the errors. Errors are independent and equal (*spherical*), correlated by 0.7
 per step (*AR(1)*), or three times as large in the first condition (*noisy*)."""
-FALSE_ALARMS: Final = Check(
-    title="Tests of values",
-    words=f"""\
-{_PEOPLE} Without an effect, 5 % of tests should have p < 5 %. With values that are {EFFECT:g} standard deviations
-higher in the last condition, the share is the power. For *values and bounds*, the lowest {SHARE_OF_BOUNDS:.0%} of the
-values are upper bounds. `analyse` reports the p value of Chi and Muller, or that of values and bounds.""",
-    kind=TESTS,
-    keys=("errors", "participants", "effect", "test"),
-    settings=_settings(false_alarms),
-    n_sets=20,
-    reasons={
-        "ANOVA, uncorrected": "assumes spherical contrasts. Printed next to the corrected p, but not reported",
-        "ANOVA, Greenhouse-Geisser": "epsilon is underestimated for few participants, so that effects are missed. "
-        "`analyse` reports the p value of Chi and Muller",
-        "mixed model": "a random intercept assumes that all differences between conditions have the same variance",
-        "pairs, Holm: any of six": "Holm's correction guarantees at most 5 % for any dependence. The rate is "
-        "lower if pairs share conditions",
-        "permutation test": "requires only symmetric errors. Its p has steps of 2 to the power of minus the number of "
-        "participants",
-    },
-    figure="tests-of-values",
-)
-EFFECTS: Final = Check(
-    title="Effects of values",
-    words=f"""\
-{_PEOPLE} The last condition is {EFFECT:g} higher. Estimated are its difference to the first condition and its mean,
-both with a true value of {EFFECT:g}. For *values and bounds*, the lowest {SHARE_OF_BOUNDS:.0%} of the values are upper
-bounds.""",
-    kind=ESTIMATES,
-    keys=("errors", "participants", "method"),
-    settings=_settings(effects),
-    n_sets=20,
-    reasons={
-        "difference, mixed model": "a random intercept assumes that all differences between conditions have the same "
-        "variance. Otherwise its interval is too short for some differences and too long for others"
-    },
-    figure="effects-of-values",
-)
+FALSE_ALARMS: Final[Mapping[str, Simulate]] = _settings(false_alarms)
+EFFECTS: Final[Mapping[str, Simulate]] = _settings(effects)
