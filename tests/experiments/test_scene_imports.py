@@ -47,6 +47,8 @@ def loaded():
     studies = {kind: scene(*map(inline, sorted(kinds))) for kind, kinds in panels.items()}
     for kind, kinds in plates.items():
         studies[kind] = f"{FOCI}\n[scene]\neffects = [{', '.join(map(inline, sorted(kinds)))}]\n"
+    tissue = inline("focus_detection"), '{ kind = "finger_load", impedance = "tissue" }'
+    studies["tissue"] = f"{FOCI}\n[scene]\neffects = [{', '.join(tissue)}]\n"
     script = ROOT / "tests" / "support" / "felt_processes.py"
     done = subprocess.run(
         [sys.executable, script], input=json.dumps(studies), capture_output=True, text=True, check=True
@@ -67,3 +69,9 @@ def test_unneeded_effect_is_not_imported(loaded, kind):
     _, modules = loaded
     named = EFFECTS[kind].partition(":")[0]
     assert {named} <= modules[kind] - modules[UNFELT[kind]] <= {named, named.rpartition(".")[0]}
+
+
+def test_pulp_is_imported_for_a_load_of_tissue_only(loaded):
+    _, modules = loaded
+    pulp = "tactometry.stimuli.time_reversal.pulp"
+    assert {kind for kind, names in modules.items() if pulp in names} == {"tissue"}
