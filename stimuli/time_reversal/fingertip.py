@@ -41,7 +41,7 @@ class Fingertip:
     stiffness_n_per_m : float
         Stiffness (spring) at 2 N, at least 0.
     exponent : float
-        From 1/3 (radius of a Hertz contact) to 2/3 (its area); the default of 1/2 has no source.
+        Between 1/3 (radius of a Hertz contact) and 1 (stiffness in proportion to the force, Pataky et al. 2005).
     area_at_1n_m2 : float
         Contact area of tissue at 1 N.
     area_exponent : float
