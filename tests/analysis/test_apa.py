@@ -100,9 +100,6 @@ def test_pair_sentence_reports_differences_without_error() -> None:
     assert told == "1 − 0: 2.00 in every participant: not tested, as the error is 0"
 
 
-# --- assumptions
-
-
 def checked(table, within):
     return checks(table, repeated_measures(table, within=within, **ARGUMENTS), within=within, **ARGUMENTS)
 

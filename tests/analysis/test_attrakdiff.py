@@ -47,9 +47,6 @@ def scored(answers) -> pd.DataFrame:
     return scores(answers)
 
 
-# --- scores
-
-
 @pytest.mark.parametrize(
     ("raw", "expected"),
     [(4, [0, 0, 0, 0, 0]), (7, [-3 / 7, 3 / 7, -3 / 7, -3 / 7, 0]), (1, [3 / 7, -3 / 7, 3 / 7, 3 / 7, 0])],
@@ -123,9 +120,6 @@ def test_refuses_two_questionnaires_together() -> None:
         scores(table)
 
 
-# --- over participants
-
-
 def test_intervals_are_those_of_participants_not_of_answers(answers, scored) -> None:
     from scipy.special import logit
     from scipy.stats import t
@@ -175,9 +169,6 @@ def test_regions_are_split_at_one(pq, hq, name) -> None:
     assert region(pq, hq) == name
 
 
-# --- consistency
-
-
 def test_alpha_equals_pingouin(answers) -> None:
     import pingouin
 
@@ -219,9 +210,6 @@ def test_alpha_has_note_when_undefined() -> None:
     assert set(few["note"]) == {"fewer than two items, or fewer than three participants who answered all items"}
     alike = pd.concat([one_person(5).assign(participant=f"P{n}") for n in range(4)])
     assert set(consistency(item_scores(alike))["note"]) == {"participants do not differ in this score"}
-
-
-# --- patterns
 
 
 def test_frequency_by_envelope_leaves_the_single_focus_out(scored) -> None:

@@ -56,11 +56,7 @@ def legendre_rank(end, masses, weights, truth) -> float:
 
 @pytest.mark.parametrize(
     ("shape", "free_guess", "n_sets"),
-    [
-        ("normal", False, N_SETS),
-        ("gumbel", False, N_SETS),
-        pytest.param("logistic", True, N_SETS if SOAK else 60),
-    ],
+    [("normal", False, N_SETS), ("gumbel", False, N_SETS), pytest.param("logistic", True, N_SETS if SOAK else 60)],
 )
 def test_ranks_of_truths_from_the_prior_are_uniform(monkeypatch, shape, free_guess, n_sets) -> None:
     """Simulation-based calibration (Talts et al. 2018).

@@ -33,9 +33,6 @@ def alike(found: pd.DataFrame, peer: pd.DataFrame) -> None:
         assert found[name].to_numpy(dtype=float) == expected, name
 
 
-# --- where nothing is censored
-
-
 @pytest.mark.parametrize("shape", [(5, 2), (8, 4), (6, 3, 4), (5, 2, 3, 2)])
 def test_censored_anova_equals_anova_without_bounds(shape) -> None:
     """Every column except Mauchly's test agrees, at any scale."""
@@ -64,9 +61,6 @@ def test_censored_means_equal_group_table_without_bounds() -> None:
     peer = group_table(table.assign(status="ok"), NAMES[:2], "y")
     for name in ("mean", "mean_low", "mean_high", "sd"):
         assert found[name].to_numpy() == pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-9)
-
-
-# --- bounds
 
 
 def test_censored_anova_with_one_factor_equals_censored_model() -> None:
@@ -180,9 +174,6 @@ def test_censored_anova_recovers_means_below_bounds() -> None:
     assert (np.abs(found["mean"] - truth) < 3.9 * error).all()
     at_bounds = np.maximum(values, -0.7).mean(axis=0)
     assert found["mean"][0] < at_bounds[0]
-
-
-# --- refusals
 
 
 def refused(table: pd.DataFrame, message: str, status: DesignStatus | None = None, **options) -> None:

@@ -32,9 +32,6 @@ def unanswered(name: str, root: Path, form: str, participants: tuple[str, ...]) 
     return copy
 
 
-# --- questionnaires
-
-
 def test_unanswered_questionnaire_has_warning(tmp_path, capsys) -> None:
     people = tuple(sorted(set(read_trials(RECORDED / "hybrid-button").rows["participant"])))
     root = unanswered("hybrid-button", tmp_path, "nasa-tlx", people)
@@ -57,9 +54,6 @@ def test_participant_without_answers_is_counted_as_missing(tmp_path) -> None:
 def test_rated_levels_have_unit_in_procedure_text() -> None:
     found = analysis_of(RECORDED / "time-reversal-patterns")
     assert "dB re 1 um" in found.study.procedure.partition("Levels were chosen")[2]
-
-
-# --- choices
 
 
 def test_levels_of_same_different_trials_have_their_unit() -> None:
@@ -100,9 +94,6 @@ def test_preference_items_have_unit_of_their_factor() -> None:
     assert set(found.tables["preference"]["item"]) == {"60", "120", "240", "first of the pair"}
 
 
-# --- the rule's own estimate
-
-
 def test_methods_describe_rule_estimate(whole) -> None:
     told = analysis_of(RECORDED / "electrovibration-threshold").methods
     assert (
@@ -111,9 +102,6 @@ def test_methods_describe_rule_estimate(whole) -> None:
     )
     assert "posterior mean)" not in told
     assert "procedure that chose the levels" not in analysis_of(whole).methods
-
-
-# --- rates
 
 
 def test_rate_captions_name_single_participant(whole) -> None:

@@ -196,8 +196,6 @@ def test_unmapped_value_is_rejected_with_its_row(tmp_path) -> None:
         read_trials(file, within=["cond"], column_map=mapped(tmp_path, PSYCHOPY_MAP))
 
 
-# --- the same table in every guise
-
 COLUMNS = ("participant", "level", "task", "response", "side")
 CODES = st.sampled_from(["P1", "P2", "x9"])
 LEVELS = st.one_of(st.integers(-50, 50).map(float), st.floats(-1e6, 1e6).map(lambda x: float(f"{x:.9g}")))

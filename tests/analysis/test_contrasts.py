@@ -156,9 +156,6 @@ def published_values() -> np.ndarray:
     return np.array(PUBLISHED.split(), dtype=float).reshape(8, 3, 4)
 
 
-# --- effect sizes
-
-
 @given(st.floats(0.01, 500), st.integers(1, 12), st.integers(4, 200))
 @examples(50)
 def test_noncentrality_interval_excludes_five_percent_per_side(f, first, second) -> None:
@@ -205,9 +202,6 @@ def test_eta_squared_interval_has_nominal_coverage() -> None:
     assert covered / n_studies == pytest.approx(0.90, abs=3.9 * np.sqrt(0.09 / n_studies))
 
 
-# --- permutations
-
-
 def test_all_signs_are_counted_once() -> None:
     scores = drawn((6, 3), np.random.default_rng())
     signs = np.array(list(product((-1, 1), repeat=6)))
@@ -251,9 +245,6 @@ def test_permutation_test_works_when_sphericity_is_untestable() -> None:
     assert tested["F"].to_numpy() == pytest.approx(found["F"].to_numpy())
 
 
-# --- false positives
-
-
 def false_positive_rates(n_studies: int, rng: np.random.Generator) -> np.ndarray:
     """Return the shares of null studies that are significant at 5 %.
 
@@ -275,8 +266,6 @@ def test_null_studies_with_sphericity_violated_are_seldom_significant() -> None:
     rates = false_positive_rates(n_studies, np.random.default_rng())
     assert (rates <= 0.05 + 0.01 + 3.7 * np.sqrt(0.05 * 0.95 / n_studies) * (not SOAK)).all(), rates
 
-
-# --- hard cases, each with its status
 
 VALUES = np.random.default_rng(0).normal(size=(6, 3, 4))
 

@@ -78,14 +78,6 @@ def test_noisy_half_yes_answers_are_flat(n_yes):
 @pytest.mark.parametrize("n", [12, 100_000])
 def test_half_yes_answers_are_flat_for_any_size(n, method):
     """The prior of the width alone would place the threshold at the middle."""
-    found = fit(
-        range(7),
-        [n // 2] * 7,
-        n,
-        shape="normal",
-        guess_rate=0.0,
-        lapse_rate=0.0,
-        method=method,
-    )
+    found = fit(range(7), [n // 2] * 7, n, shape="normal", guess_rate=0.0, lapse_rate=0.0, method=method)
     assert (found.status, found.threshold) == ("flat", None)
     exact_case("half of the answers yes at every level", against="a status, no number")

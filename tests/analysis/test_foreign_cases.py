@@ -25,9 +25,6 @@ def warning(found, beginning):
     return next(warning for warning in found["warnings"] if beginning in warning)
 
 
-# --- right results
-
-
 @pytest.mark.parametrize(
     "case",
     [
@@ -98,9 +95,6 @@ def test_few_answers_do_not_lower_alternatives(capsys, tmp_path):
         tmp_path, ["participant,level,side,response,target", *rows], '[constants]\ntask = "forced_choice"\n'
     )
     assert {row["guess_rate"] for row in analysed(capsys, table, within="side")["thresholds"]} == {0.25}
-
-
-# --- nothing is left out in silence
 
 
 def test_row_number_counts_the_sep_line(capsys, tmp_path):
@@ -180,9 +174,6 @@ def test_files_sharing_a_participant_are_named(capsys, tmp_path):
     assert said == "files read as one participant, results (from_name): results_1.csv, results_2.csv"
 
 
-# --- counts, and tables of correct and wrong
-
-
 def written(tmp_path, rows, lines):
     """A table and its map."""
     (tmp_path / "t.csv").write_text("\n".join(rows) + "\n")
@@ -222,9 +213,6 @@ def test_impossible_counts_are_refused_with_their_row(capsys, tmp_path, k, n):
     assert f"t.csv, row 3: found {k or 'nothing'} of {n or 'nothing'} (n_positive of n_trials)" in said
 
 
-# --- columns that contradict each other
-
-
 @pytest.mark.parametrize(
     ("header", "row", "text"),
     [
@@ -240,9 +228,6 @@ def test_contradictions_are_warned_of_with_their_rows(capsys, tmp_path, header, 
     assert warning(analysed(capsys, table), text).endswith("(the first: t.csv, row 2)")
 
 
-# --- surveys of jsPsych
-
-
 def test_survey_answers_of_jspsych_are_ratings(capsys, tmp_path):
     trials = [{"participant": "S1", "level": level, "response": "y"} for level in (1, 2, 3)]
     survey = {"participant": "S1", "trial_type": "survey-likert", "response": {"Q0": 3, "Q1": None}}
@@ -253,18 +238,12 @@ def test_survey_answers_of_jspsych_are_ratings(capsys, tmp_path):
     assert warning(found, "rows of other tasks") == "rows of other tasks, not analysed: 2 (rating)"
 
 
-# --- Unicode
-
-
 def test_decomposed_names_match_composed_ones(capsys, tmp_path):
     import unicodedata
 
     rows = ["participant,größe,level,response", *(f"S1,groß,{level},n" for level in (1, 2, 3))]
     table = written(tmp_path, [unicodedata.normalize("NFD", row) for row in rows], MAP)
     assert analysed(capsys, table, within="größe")["factors"] == ["größe"]
-
-
-# --- studies whose guess rate or levels do not fit the task
 
 
 GUESSED = "guess_rates = [0.02]\n"
@@ -278,9 +257,6 @@ def changed_study(folder, changes):
         text = text.replace(old, new)
     (folder / "study.toml").write_text(text)
     return folder / "study.toml"
-
-
-# --- groups, and designs without an analysis of variance
 
 
 ADJUSTED = CASES / "adjustment.toml"
@@ -323,17 +299,11 @@ def test_threshold_above_levels_has_lower_bound(capsys, tmp_path):
     assert warning(found, "6 of 6 cells with a threshold above the levels: only its lower bound is known")
 
 
-# --- rules whose guess rate is not that of the task
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({GUESSED: ""}, "procedure.guess_rates: found 0.5 by default in the task yes_no"),
-        (
-            INTERVALS,
-            "procedure.guess_rates: found 0.5 by default in the task forced_choice, expected chance, 0.25",
-        ),
+        (INTERVALS, "procedure.guess_rates: found 0.5 by default in the task forced_choice, expected chance, 0.25"),
     ],
 )
 @pytest.mark.parametrize("command", ["simulate", "power", "dry run"])
@@ -352,9 +322,6 @@ def test_stated_guess_rate_of_the_task_is_simulated(capsys, tmp_path):
     output(
         capsys, "simulate", CASES / "stated_guess_rate.toml", "--participants", 1, "--seed", 3, "--out", tmp_path / "d"
     )
-
-
-# --- sensors at overload
 
 
 BENCH = """[output]

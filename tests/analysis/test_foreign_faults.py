@@ -182,9 +182,6 @@ def test_refused_counts_name_each_row_once(capsys, tmp_path):
     assert "row 3 and 1 more (4), column 'level': found 'Total'" in said
 
 
-# --- codes of participants
-
-
 @pytest.mark.parametrize(("code", "ours"), [("sub-01", "sub01"), ("P_01", "P01")])
 def test_code_is_written_without_separators_with_a_warning(capsys, tmp_path, code, ours):
     table = written(tmp_path, replaced("S1,", f"{code},", 1))

@@ -35,9 +35,6 @@ JSPSYCH = ColumnMap(
 )
 
 
-# --- PsychoPy
-
-
 def test_psychopy_file_is_read_unchanged():
     trials = read_trials(FOREIGN / "psychopy_2026.2.5.csv", within=["cond"], column_map=PSYCHOPY)
     assert trials.rows["level"].tolist() == [0.1, 0.2, 0.4] * 4
@@ -111,9 +108,6 @@ def test_psychopy_sessions_with_different_columns_are_merged(tmp_path):
     assert trials.rows["participant"].value_counts().to_dict() == {"7": 12, "8": 12}
     assert set(trials.rows.loc[trials.rows["participant"] == "7", "late"]) == {""}
     assert len(used_rows(trials)) == 16
-
-
-# --- jsPsych
 
 
 @pytest.mark.parametrize("ending", ["csv", "json"])
@@ -198,9 +192,6 @@ def test_json_is_refused_early_when_beyond_bounds(trials, message):
         tracemalloc.stop()
 
 
-# --- tables without a factor, and columns that mean two things
-
-
 def test_a_table_without_a_factor_is_one_condition(tmp_path, capsys):
     answers = [(level, int(n < level * 3)) for level in range(1, 5) for n in range(12)]
     rows = [f"{code},{level},yes_no,{felt}" for code in ("a", "b", "c") for level, felt in answers]
@@ -232,17 +223,10 @@ def test_note_on_single_row_is_singular(tmp_path):
     assert said.startswith("1 row was left out: it has no level")
 
 
-# --- what words mean
-
-
 @pytest.mark.parametrize(
     ("task", "word", "hint"),
     [
-        (
-            "yes_no",
-            "y",
-            "; translate it in a column map (--columns), below [values.response], for example: 'y' = 1",
-        ),
+        ("yes_no", "y", "; translate it in a column map (--columns), below [values.response], for example: 'y' = 1"),
         (
             "forced_choice",
             "left",
@@ -296,9 +280,6 @@ def test_forced_choice_rejects_interval_zero(tmp_path):
         read_trials(file, within=["side"])
 
 
-# --- rows that stand twice
-
-
 def numbered(path: Path, *extra: str) -> Path:
     lines = ["participant,session,block,trial,side,procedure,level,task,response,onset_s"]
     lines += [f"P1,1,1,{n},a,staircase,{n},yes_no,{int(n > 4)},{n}.5" for n in range(1, 9)]
@@ -327,9 +308,6 @@ def test_distinct_rows_are_not_reported_as_copies(tmp_path):
     file = tmp_path / "n.csv"
     file.write_text("participant,side,level,task,response\n" + "P1,a,1,yes_no,1\n" * 5)
     assert read_trials(file, within=["side"]).notes == ()
-
-
-# --- tables that lie on their side
 
 
 def test_table_with_too_many_columns_is_rejected(tmp_path, capsys):

@@ -37,9 +37,6 @@ def pairs(**changed: str):
     return [row | changed for row in rows]
 
 
-# --- preferences
-
-
 @pytest.mark.parametrize("report", [False, True])
 @pytest.mark.parametrize("missing", [("item",), ("item_b",), ("item", "item_b")])
 def test_preference_without_items_is_rejected(tmp_path, capsys, missing, report):
@@ -66,9 +63,6 @@ def test_preferences_with_their_items_are_analysed(tmp_path, capsys):
     assert {row["item"] for row in json.loads(out)["preference"]} == {"x", "y", "z", "first of the pair"}
 
 
-# --- catch trials alone
-
-
 @pytest.mark.parametrize("task", ["yes_no", "forced_choice", "comparison"])
 def test_catch_trials_alone_are_reported_without_threshold(tmp_path, capsys, task):
     rows = [
@@ -82,9 +76,6 @@ def test_catch_trials_alone_are_reported_without_threshold(tmp_path, capsys, tas
     assert (status, said) == (0, "")
     assert {(row["status"], row["n_catch"]) for row in json.loads(out)["thresholds"]} == {("no_data", 8)}
     assert "no_data" in (tmp_path / "r.html").read_text()
-
-
-# --- what is counted
 
 
 def test_repeated_questionnaire_touch_counts_once(tmp_path):
@@ -104,9 +95,6 @@ def test_each_repeated_touch_of_other_tasks_counts(tmp_path):
     row |= {"task": "yes_no", "response": 1}
     rows = [row | {"attempt": n, "valid": int(n == 3)} for n in (1, 2, 3)]
     assert quality(read_trials(written(tmp_path, rows)))["n_repeated"].tolist() == [2]
-
-
-# --- digits
 
 
 @pytest.mark.parametrize(
@@ -132,9 +120,6 @@ def test_thresholds_keep_three_digits_in_all_output(tmp_path, capsys, factor):
         assert row.text.split(" (")[0] in " ".join(out.split())
     (sd,) = re.findall(r"thresholds (\S+) V", out)
     assert float(sd) > 0
-
-
-# --- a table that was edited by hand
 
 
 @pytest.fixture

@@ -26,9 +26,6 @@ def found(published) -> pd.DataFrame:
     return pairs(published, dependent="y", factor="freq", subject="subject").set_index(["a", "b"])
 
 
-# --- pairs
-
-
 def test_published_pairs(found) -> None:
     assert found.index.tolist() == [(60, 120), (60, 240), (60, 480), (120, 240), (120, 480), (240, 480)]
     assert -found["t"].to_numpy() == pytest.approx([28.5269, 33.4838, 46.8781, 17.4125, 5.7537, -8.4913], abs=5e-5)
@@ -155,9 +152,6 @@ def test_nearly_identical_differences_have_bayes_factor(spread) -> None:
 @pytest.mark.parametrize("bf10", [0.001, 0.4, 1.0, 2.9, 3.1, 99.0, 1e9])
 def test_evidence_has_a_label(bf10) -> None:
     assert evidence(bf10).endswith("no difference" if bf10 < 1 else "a difference")
-
-
-# --- equivalence
 
 
 def test_equivalence_equals_pingouin() -> None:

@@ -45,9 +45,6 @@ def told(table: pd.DataFrame, **options):
     return outcome(table, FACTORS, "yes_no", "threshold", **options)
 
 
-# --- the rule, and the plan
-
-
 def test_anova_is_primary_for_complete_design() -> None:
     table = estimates(np.random.default_rng())
     found = told(table)
@@ -156,9 +153,6 @@ def test_unavailable_named_analysis_leaves_no_primary() -> None:
     assert "Check: repeated-measures analysis of variance" in outcome_sentences(found, "dB")
 
 
-# --- after an interaction
-
-
 def test_interaction_has_simple_effects() -> None:
     table = estimates(np.random.default_rng(), interaction=4.0)
     found = told(table)
@@ -216,9 +210,6 @@ def test_without_an_interaction_there_are_no_simple_effects() -> None:
     assert (found.simple, found.simple_pairs) == ({}, {})
 
 
-# --- intervals within participants
-
-
 def test_within_interval_of_two_conditions_matches_difference() -> None:
     table = estimates(np.random.default_rng())
     two = table[(table["force_n"] > 1) & (table["frequency_hz"] > 60)]
@@ -244,9 +235,6 @@ def test_incomplete_table_has_no_within_interval() -> None:
     group = group_table(estimates(np.random.default_rng(), n_below=1), FACTORS)
     assert group["within_low"].isna().all()
     assert group["text"].iloc[-1] == "of 8: 1 below the levels"
-
-
-# --- the user's way
 
 
 @pytest.fixture(scope="module")

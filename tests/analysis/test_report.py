@@ -277,9 +277,6 @@ def test_refuses_levels_in_two_units(tmp_path) -> None:
         analyse(path)
 
 
-# --- force, plan, figures
-
-
 @pytest.fixture(scope="module")
 def pressed(study, tmp_path_factory) -> Path:
     """Write the study with a measured force.

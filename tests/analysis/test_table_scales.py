@@ -61,8 +61,6 @@ def test_levels_in_two_units_are_refused(tmp_path):
         read_trials(file, within=["side"], column_map=ColumnMap(units={"level": "mV"}))
 
 
-# --- scales of ratios
-
 TRUE = PsychometricFunction("weibull", 0.05, 0.1, 0.02, 0.02)
 CONTRASTS = tuple(np.geomspace(0.002, 0.5, 9))
 

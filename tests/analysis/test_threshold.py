@@ -271,26 +271,11 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
         ({"levels": [1, 2, -math.inf]}, "levels, row 2: found -inf, expected a finite number" + ROWS),
         ({"levels": [1, "2", 3]}, "levels, row 0: found '1', expected a number"),
         ({"levels": [1, None, 3]}, "levels, row 1: found None, expected a number"),
-        (
-            {"n_correct": [1, 2, 21]},
-            "n_correct, row 2: found 21, expected at most n_trials of the row" + ROWS,
-        ),
-        (
-            {"n_correct": [-1, 2, 3]},
-            "n_correct, row 0: found -1, expected a whole number, 0 or more" + ROWS,
-        ),
-        (
-            {"n_correct": [1, 9.5, 3]},
-            "n_correct, row 1: found 9.5, expected a whole number, 0 or more" + ROWS,
-        ),
-        (
-            {"n_correct": [1, math.nan, 3]},
-            "n_correct, row 1: found nan, expected a whole number, 0 or more" + ROWS,
-        ),
-        (
-            {"n_trials": [20, 20, math.inf]},
-            "n_trials, row 2: found inf, expected a whole number, 0 or more" + ROWS,
-        ),
+        ({"n_correct": [1, 2, 21]}, "n_correct, row 2: found 21, expected at most n_trials of the row" + ROWS),
+        ({"n_correct": [-1, 2, 3]}, "n_correct, row 0: found -1, expected a whole number, 0 or more" + ROWS),
+        ({"n_correct": [1, 9.5, 3]}, "n_correct, row 1: found 9.5, expected a whole number, 0 or more" + ROWS),
+        ({"n_correct": [1, math.nan, 3]}, "n_correct, row 1: found nan, expected a whole number, 0 or more" + ROWS),
+        ({"n_trials": [20, 20, math.inf]}, "n_trials, row 2: found inf, expected a whole number, 0 or more" + ROWS),
         (
             {"n_trials": [20, 20]},
             "levels, n_correct, n_trials: found the shapes (1, 3), (1, 3), (1, 2), expected equal shapes",

@@ -85,13 +85,7 @@ def test_rows_without_trials_are_ignored() -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_nearly_equal_asymptotes_have_no_threshold(method) -> None:
     found = fit(
-        SEVEN,
-        [18, 18, 17, 18, 19, 18, 18],
-        20,
-        shape="normal",
-        guess_rate=0.9,
-        lapse_rate=0.0999,
-        method=method,
+        SEVEN, [18, 18, 17, 18, 19, 18, 18], 20, shape="normal", guess_rate=0.9, lapse_rate=0.0999, method=method
     )
     assert found.status in (Status.FLAT, Status.ABOVE, Status.BELOW)
     assert found.threshold is None
@@ -113,14 +107,7 @@ def test_levels_of_any_size_give_the_same_curve(levels) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_levels_with_extreme_spacing_are_pooled(method) -> None:
     """Three levels within 1e-9 of the fourth's distance become one."""
-    found = fit(
-        [0.0, 1e-10, 2e-10, 1.0],
-        [4, 5, 5, 19],
-        20,
-        shape="normal",
-        guess_rate=0.0,
-        method=method,
-    )
+    found = fit([0.0, 1e-10, 2e-10, 1.0], [4, 5, 5, 19], 20, shape="normal", guess_rate=0.0, method=method)
     assert found.n_levels == 2
     assert found.status in (Status.TOO_FEW_LEVELS, Status.SEPARATED)
 

@@ -178,8 +178,6 @@ def test_an_impossible_staircase_is_refused(options, message):
     assert str(refused.value) == message
 
 
-# --- where staircases settle: the stationary distribution of the states of a procedure
-
 ENDLESS = {"n_reversals": 10**9, "n_trials": 10**9, "n_at_bound": 10**9}
 
 

@@ -199,9 +199,6 @@ def test_invalid_adjustment_is_refused(numbers, words):
         AdjustmentTask(*numbers)
 
 
-# --- questionnaires
-
-
 def test_rating_records_a_row_for_each_item():
     memory = lived("rating")
     trial = [row for row in memory.trials if row.trial == 1 and row.valid]
@@ -270,9 +267,6 @@ def test_scores_of_constant_raw_answers_follow_item_reversals():
     }
 
 
-# --- the simulated participant answers every question
-
-
 def test_simulated_participant_answers_every_question():
     asked = {
         request.question
@@ -308,9 +302,6 @@ def test_equal_pairs_are_called_different_at_expected_rate():
     share = np.mean([observer.differ([5.0, 5.0], rng) for _ in range(n)])
     expected = 2 * norm.sf(observer.criterion) * (1 - observer.lapse_rate) + observer.lapse_rate / 2
     assert abs(share - expected) <= AT_1E_4 * math.sqrt(expected * (1 - expected) / n)
-
-
-# --- bias between intervals
 
 
 def test_unbiased_observer_has_criterion_near_zero():
