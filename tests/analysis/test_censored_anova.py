@@ -122,10 +122,7 @@ def _log_mass(low: float, high: float) -> float:
 
 
 def test_truncated_normal_points_change_continuously_with_bound() -> None:
-    """Regression test for a search that did not converge.
-
-    Points jumped as the end of the second value passed its mean (8 of 60 studies of six).
-    """
+    """Regression test: points jumped as a bound passed the mean, and the search did not converge."""
     covariance, ends = np.array([[1.0, 0.5], [0.5, 1.0]]), (np.zeros(2), np.full(2, np.inf))
     one, other = (truncated_normal(np.full(2, x), covariance, *ends).values for x in (-1e-6, 1e-6))
     assert np.abs(one - other).max() < 1e-4
@@ -162,10 +159,7 @@ def test_missing_value_is_not_counted_as_bound() -> None:
 
 
 def test_censored_anova_recovers_means_below_bounds() -> None:
-    """Errors are within the interval at 1e-4.
-
-    Sixty participants; in one condition a third of the values lie below the bound.
-    """
+    """In one condition a third of the values of sixty participants lie below the bound."""
     rng = np.random.default_rng()
     truth = np.array([0.0, 1.0, 2.0])
     values = truth + rng.normal(0, 1.5, (60, 1)) + rng.normal(0, 0.7, (60, 3))

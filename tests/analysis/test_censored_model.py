@@ -121,10 +121,7 @@ def test_tail_interval_log_probability_matches_50_digits() -> None:
 
 @pytest.mark.parametrize("end", [1e5, 1e7, 1e9])
 def test_log_likelihood_curvature_is_not_positive_far_away(end) -> None:
-    """Regression test: rounding took all digits of the curvature.
-
-    The system of the Newton step then had no solution.
-    """
+    """Regression test: rounding took all digits of the curvature."""
     for low, high in ((end, np.inf), (-np.inf, -end)):
         assert of_interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).curvature <= 0
 
@@ -170,10 +167,7 @@ def test_censored_model_is_symmetric_and_scales_with_units() -> None:
 
 
 def test_censored_model_recovers_mean_above_bound() -> None:
-    """The mean of the third condition is within its standard error at 1e-4.
-
-    Half of the values of that condition are censored.
-    """
+    """Half of the values of the third condition are censored."""
     table = cut(study(np.random.default_rng(), n=60))
     estimate, error = fit(table).coefficients.loc[2, ["estimate", "se"]]
     known = mixed_model(table.dropna(subset="y"), dependent="y", factors=["force_n"], subject="who")

@@ -72,10 +72,7 @@ def test_text_cells_are_left_aligned() -> None:
 
 
 def test_identical_answers_have_no_sensitivity(tmp_path) -> None:
-    """The log-linear rule alone gave d' = 1.2.
-
-    There were no hits in 4 and no false alarms in 15.
-    """
+    """No hits in 4, no false alarms in 15: the log-linear rule alone gave d' = 1.2."""
     rows = [f"P1,{level},same_different,{felt},{catch}" for level, felt, catch, n in
             (("10", 0, 0, 4), ("20", 1, 0, 4), ("", 0, 1, 15)) for _ in range(n)]  # fmt: skip
     file = tmp_path / "t.csv"

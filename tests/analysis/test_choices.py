@@ -55,10 +55,7 @@ def test_impossible_counts_are_refused() -> None:
 
 
 def league() -> tuple[list[str], list[str], list[int]]:
-    """American League East 1987, with home advantage left out.
-
-    Each pair occurs equally often in either order.
-    """
+    """American League East 1987, without home advantage: each pair equally often in either order."""
     wins = np.array([0 if word == "-" else int(word) for word in WINS.split()]).reshape(7, 7)
     rows = [(a, b) for i, a in enumerate(TEAMS) for j, b in enumerate(TEAMS) for _ in range(wins[i, j])]
     both = [(a, b, 1) for a, b in rows] + [(b, a, 2) for a, b in rows]
@@ -67,10 +64,7 @@ def league() -> tuple[list[str], list[str], list[int]]:
 
 
 def test_published_worths_of_baseball_teams() -> None:
-    """Agresti (2002), Categorical Data Analysis, table 10.10.
-
-    Worths are relative to Baltimore.
-    """
+    """Agresti (2002), Categorical Data Analysis, table 10.10, relative to Baltimore."""
     found = bradley_terry(*league())
     worth = found.set_index("item")["worth"].drop(ORDER)
     against = (worth - worth["Baltimore"])[["Milwaukee", "Detroit", "Toronto", "New York", "Cleveland"]]
@@ -123,10 +117,7 @@ def test_worth_intervals_use_participants_from_five_on(n, reach) -> None:
 
 
 def test_worths_of_two_items_have_closed_form() -> None:
-    """Compare with the logits of both proportions.
-
-    For a before b and b before a the logits are w_a - w_b + o and w_b - w_a + o, with variances 1 / k + 1 / (n - k).
-    """
+    """The logits are w_a - w_b + o and w_b - w_a + o, with variances 1 / k + 1 / (n - k)."""
     (k, n), (j, m) = (30, 40), (12, 36)
     found = bradley_terry(
         ["a"] * n + ["b"] * m, ["b"] * n + ["a"] * m, [1] * k + [2] * (n - k) + [1] * j + [2] * (m - j)

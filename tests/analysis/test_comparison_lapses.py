@@ -101,10 +101,7 @@ def test_shared_and_single_grids_agree_with_sum(some) -> None:
 
 
 def test_reversed_answers_have_same_difference() -> None:
-    """Swap "more" and "less" and negate the levels.
-
-    With equal asymptotes a comparison has no preferred end.
-    """
+    """Swap "more" and "less" and negate the levels: no end is preferred."""
     n_more = np.array([1, 2, 5, 9, 16, 19, 18])
     one, other = fit(LEVELS, n_more, 20, **EQUAL), fit(LEVELS, (20 - n_more)[::-1], 20, **EQUAL)
     assert other.threshold == pytest.approx(-one.threshold, abs=1e-6)

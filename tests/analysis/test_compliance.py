@@ -18,10 +18,7 @@ COLUMNS += ",force_mean_n,force_sd_n,force_in_band,valid,catch"
 
 
 def trials(tmp_path, rows):
-    """Write rows of trials.
-
-    They are participant, target, mean force, time in band, valid, catch, response and latency.
-    """
+    """Write participant, target, mean force, time in band, valid, catch, response and latency."""
     lines = [COLUMNS]
     for n, (code, target, mean, band, valid, catch, response, latency) in enumerate(rows, 1):
         level = "" if catch else "20"
@@ -157,10 +154,7 @@ def test_exclusion_rule_names_its_missing_column(some) -> None:
 
 
 def data_set(tmp_path, analysis):
-    """Write a yes/no data set of two participants, and its study.
-
-    One of them says yes in every catch trial.
-    """
+    """Write a yes/no study of two participants, one of whom says yes in every catch trial."""
     (tmp_path / "data").mkdir()
     (tmp_path / "study.toml").write_text(f'name = "s"\n{analysis}')
     rows = [

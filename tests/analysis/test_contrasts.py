@@ -119,10 +119,7 @@ def test_huynh_and_feldt_of_the_published_table(published_values) -> None:
 
 
 def test_chi_muller_epsilon_shrinks_huynh_feldt_epsilon(published_values) -> None:
-    """With n = 8 the factor is 25 * 23 / 27^2 for 27 moments.
-
-    The result is never below that of Greenhouse and Geisser.
-    """
+    """With n = 8 the factor is 25 * 23 / 27^2; the lower bound is Greenhouse and Geisser's."""
     found = analysed(published_values)
     gg, p = found["eps"].to_numpy(), found["ddof1"].to_numpy()
     wide = (8 * p * gg - 2) / (p * (7 - p * gg))
@@ -171,10 +168,7 @@ def test_eta_squared_interval_excludes_zero_when_significant() -> None:
 
 
 def test_corrected_intervals_exclude_five_percent_per_side(published_values) -> None:
-    """Compare with the noncentral F distribution at the ends.
-
-    Eta squared is l / (l + n), with n = epsilon (df1 + df2) + 1. Generalised eta squared includes other errors.
-    """
+    """Eta squared is l / (l + n), with n = epsilon (df1 + df2) + 1; the generalised one has other errors."""
     whole = analysed(published_values)
     found = whole[whole["p_CM_corr"] < 0.05]
     assert whole["np2_low"].to_numpy()[2] == 0
@@ -246,10 +240,7 @@ def test_permutation_test_works_when_sphericity_is_untestable() -> None:
 
 
 def false_positive_rates(n_studies: int, rng: np.random.Generator) -> np.ndarray:
-    """Return the shares of null studies that are significant at 5 %.
-
-    Studies have 10 x 3 x 7 values. The shares are of corrected main effects, and of all effects by permutation.
-    """
+    """Return the shares of null studies of 10 x 3 x 7 values below 5 %: corrected effects, and by permutation."""
     scale = np.sqrt(np.geomspace(1, 30, 21))
     mixing = np.linalg.cholesky(0.5 * np.eye(21) + 0.5)
     hits = np.zeros(4)

@@ -37,10 +37,7 @@ def test_tied_sub_designs_are_resolved(sides, left_out):
 
 
 def test_quality_table_counts_each_row_once(tmp_path):
-    """Three attempts of one trial are followed by catch trials.
-
-    These are a false alarm, a rejection, an unanswered and an invalid trial.
-    """
+    """Three attempts of one trial; then a false alarm, a rejection, an unanswered and an invalid catch trial."""
     header = "participant,trial,force_n,procedure,level,task,response,valid,attempt,catch"
     rows = [
         "P01,1,1,x,3,yes_no,1,0,1,0",

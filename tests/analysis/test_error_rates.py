@@ -32,11 +32,7 @@ def reach(share: float, n: int) -> float:
 
 
 def drawn(scenario: str, n_cells: int, shape: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
-    """Draw studies of `shape` (study, participant) without effects.
-
-    Participants have twice the standard deviation of errors. Errors are independent, correlated by 0.7 per step, three
-    times as large in one condition, or nearly zero.
-    """
+    """Draw studies of `shape` (study, participant) without effects; participants have twice the errors' deviation."""
     places = np.arange(n_cells)
     covariance = {
         "spherical": np.eye(n_cells),
@@ -68,11 +64,7 @@ def test_anova_false_positive_rate_is_near_five_percent(design, scenario) -> Non
 
 @pytest.mark.parametrize("scenario", SCENARIOS[:3])
 def test_censored_anova_has_nominal_error_and_coverage(scenario) -> None:
-    """A seventh of the values are bounds.
-
-    The false positive rate is 4 to 6 % (docs/reference/analysis.md). Intervals of means cover in 94 to 98 %, also in
-    the noisy condition.
-    """
+    """A seventh of the values are bounds; the rates are 4 to 6 % and 94 to 98 % (docs/reference/analysis.md)."""
     n_studies = 3_000 if SOAK else 80
     values = drawn(scenario, 4, (n_studies, N), np.random.default_rng())
     at = float(np.quantile(values[..., 1:], 0.15))
@@ -99,10 +91,7 @@ def test_simultaneous_intervals_have_joint_coverage(scenario) -> None:
 
 @pytest.mark.parametrize(("scenario", "low", "high"), [("spherical", 0.935, 0.965), ("AR(1)", 0.90, 0.99)])
 def test_within_intervals_overlap_as_often_as_differences(scenario, low, high) -> None:
-    """Intervals shortened by sqrt(1 / 2) separate in 5 % of null studies.
-
-    With correlated errors neighbours separate less often, as they are more alike than others.
-    """
+    """With correlated errors neighbours separate less often, as they are more alike than others."""
     n_studies = 20_000 if SOAK else 2_000
     values = drawn(scenario, 4, (n_studies, N), np.random.default_rng())
     halves = student.ppf(0.975, N - 1) * np.sqrt([within_variances(np.cov(each.T)) / N for each in values])

@@ -33,10 +33,7 @@ def replaced(old, new, every=2):
 
 
 def choices(correct, targets=(1, 2)):
-    """Write forced choices that are all correct or all wrong.
-
-    The targets alternate.
-    """
+    """Write forced choices with alternating targets that are all correct or all wrong."""
     pairs = [(targets[level % 2], targets[(level + (not correct)) % 2], level) for level in range(1, 41)]
     rows = [f"S{n},{level},{response},a,0.5,{target}" for n in (1, 2) for target, response, level in pairs]
     return [f"{HEAD},target", *rows]

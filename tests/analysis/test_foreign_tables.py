@@ -95,10 +95,7 @@ def test_unnamed_column_with_content_is_rejected(tmp_path):
 
 
 def test_psychopy_sessions_with_different_columns_are_merged(tmp_path):
-    """PsychoPy writes a column only if it contains something.
-
-    Here one session has notes and one has late answers.
-    """
+    """PsychoPy writes a column only if it contains something."""
     text = (FOREIGN / "psychopy_2026.2.5.csv").read_text(encoding="utf-8-sig")
     header, *rows = text.splitlines()
     (tmp_path / "7.csv").write_text(text, encoding="utf-8")

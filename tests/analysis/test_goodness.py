@@ -141,10 +141,7 @@ def test_goodness_deviance_equals_deviance_of_fit():
 
 
 def test_residual_order_and_dispersion_have_closed_form():
-    """One level with a rate of one half: no, no, yes, yes in four stretches.
-
-    Of the two parts of the dispersion, the one weighted with rates minus their mean is 0.
-    """
+    """One level at a rate of one half, where the part of the dispersion weighted with rates is 0."""
     counts = normalise(np.zeros((1, 1)), np.array([[20.0]]), np.array([[40.0]]))
     theta = np.array([[0.0, 0.0, 0.0, 0.0]])
     answers = Sequences(np.array([[[0.0], [0.0], [10.0], [10.0]]]), np.full((1, 4, 1), 10.0))
@@ -157,10 +154,7 @@ def test_residual_order_and_dispersion_have_closed_form():
 
 @pytest.mark.parametrize("share", [0.02, 0.3])
 def test_early_stopped_monte_carlo_p_is_valid(share):
-    """The probability of a p up to a bound is at most the bound.
-
-    Besag and Clifford 1991; here p itself is known.
-    """
+    """Besag and Clifford 1991; here p itself is known."""
     rng = np.random.default_rng()
     tally = _Tally(*(np.zeros((4000, 4), dtype=np.int64) for _ in range(2)))
     for n_draws in (20, 79, 900):
@@ -174,10 +168,7 @@ def test_early_stopped_monte_carlo_p_is_valid(share):
 
 
 def table_of(path, burst, n_participants=6):
-    """Write constant stimuli of six participants.
-
-    For those in `burst` a third of the trials in a row are guesses.
-    """
+    """Write constant stimuli; participants in `burst` guess a third of the trials in a row."""
     rng = np.random.default_rng()
     rows = ["participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response"]
     for who in range(n_participants):

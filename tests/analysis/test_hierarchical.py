@@ -38,10 +38,7 @@ N_STUDIES = 100 if SOAK else 10
 
 @pytest.mark.slow
 def test_intervals_cover_means_contrasts_and_participants() -> None:
-    """Coverage is at least 93.5 %, minus a tolerance at 1e-4.
-
-    The participants of one study share its means, so each study counts once, by a participant drawn at random.
-    """
+    """The participants of a study share its means, so each study counts once, by one participant."""
     rng = np.random.default_rng()
     covered = {"mean": 0, "contrast": 0, "participant": 0}
     squared, alone = [], []
@@ -66,10 +63,7 @@ def test_intervals_cover_means_contrasts_and_participants() -> None:
 
 
 def test_variances_are_recovered() -> None:
-    """With 24 participants sd is known to 15 % (chi with 23 df).
-
-    At 1e-4 it is within a factor of 1.8 either way.
-    """
+    """With 24 participants sd is within a factor of 1.8 either way at 1e-4 (chi with 23 df)."""
     found = fitted(simulated(np.random.default_rng(), n=24)[0])
     assert SD / 1.8 < found.components["threshold"] < 1.8 * SD
     assert found.lapse_rate < 0.08
@@ -99,11 +93,7 @@ def test_shrinkage_grows_as_trials_decrease() -> None:
 
 # Real data
 def test_the_published_conclusion_on_real_data() -> None:
-    """Masking vibration raises the just noticeable difference only.
-
-    Dallmann, Ernst and Moscatelli 2015. The point of equality does not change. lme4's probit model (as in the R package
-    MixedPsy): 8.56 (0.142) and 8.41 (0.163), 2.94 and 3.58.
-    """
+    """Dallmann et al. 2015; lme4's probit model: 8.56 (0.142) and 8.41 (0.163), 2.94 and 3.58."""
     path = SHARED / "data" / "dallmann2015_counts.csv"
     if not path.exists():
         pytest.skip("the shared folder with the data of Dallmann 2015 is absent")
@@ -214,10 +204,7 @@ def test_widths_of_steps_stay_finite(study) -> None:
 
 
 def test_interval_widens_when_lapse_rate_is_free() -> None:
-    """Four of five answers are correct at every level.
-
-    Thresholds of such tracks were 10 dB too low, with a short interval.
-    """
+    """Four of five answers are correct at every level: thresholds were 10 dB too low."""
     names = [f"P{person}" for person in range(6) for _ in range(5)]
     levels = [18.0 + person + step for person in range(6) for step in (0.0, 2.0, 4.0, 6.0, 8.0)]
     k = [31, 37, 41, 40, 41, 30, 38, 40, 42, 41, 32, 36, 41, 40, 40] * 2
@@ -303,10 +290,7 @@ def test_same_answers_give_the_same_bytes(study) -> None:
 
 
 def test_points_of_the_integral_hardly_move_intervals(study) -> None:
-    """Compare with four times as many points.
-
-    Ends may differ by 5 % of the length of an interval.
-    """
+    """Compare with four times as many points."""
     few, many = (fitted(study[0], n_points=n).conditions for n in (256, 1024))
     length = (many["interval_high"] - many["interval_low"]).mean()
     for end in ("interval_low", "interval_high"):

@@ -76,10 +76,7 @@ def test_false_positive_rate_is_nominal_with_noisy_condition() -> None:
 
 
 def noisy(rng) -> pd.DataFrame:
-    """Simulate ten participants in four conditions with one mean.
-
-    The first condition has deviations three times as large.
-    """
+    """Simulate ten participants in four conditions, the first with threefold deviations."""
     rows = []
     for p in range(10):
         own = 18.0 + 2.0 * rng.normal()

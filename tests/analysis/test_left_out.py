@@ -84,10 +84,7 @@ def test_excluded_answers_equal_missing_answers(tmp_path) -> None:
 
 
 def test_anova_names_participant_it_leaves_out(tmp_path, capsys) -> None:
-    """The primary analysis includes bounds; the ANOVA is a check.
-
-    Terminal, JSON and report agree.
-    """
+    """The primary analysis includes bounds; the ANOVA is a check."""
     rng = np.random.default_rng(4)
     thresholds = grid_of_thresholds(5, {(0.5,): 20.0, (1.0,): 22.0, (2.0,): 24.0}, 1.0, rng)
     del thresholds["P05", (2.0,)]

@@ -30,10 +30,7 @@ DISTANCES_M = (0.004, 0.008, 0.012, 0.016, 0.024, 0.032)
 
 
 def answers(counts, m=2, participant="P01", force_n=1.0):
-    """Return rows of answers with given numbers correct by distance.
-
-    Targets take turns; the wrong answer is the next place.
-    """
+    """Return answers, this many correct by distance; targets take turns, the wrong answer is the next place."""
     rows = []
     for distance_m, (right, n) in counts.items():
         for k in range(n):
@@ -122,10 +119,7 @@ def test_guess_rate_follows_alternatives_of_condition():
 
 
 def test_misfit_of_resolution_has_warning():
-    """The rates have a floor above the guess rate and a step.
-
-    This occurs if two places differ in strength at any distance.
-    """
+    """A floor above the guess rate and a step occur if two places differ in strength."""
     counts = dict(
         zip(DISTANCES_M, [(186, 300), (180, 300), (189, 300), (190, 300), (288, 300), (291, 300)], strict=True)
     )
@@ -236,10 +230,7 @@ def study(repeats):
 
 
 def chances(text):
-    """Return the rate of correct answers by distance.
-
-    It is Phi(D / 2) from the field at the finger.
-    """
+    """Return the rate of correct answers by distance, Phi(D / 2) from the field at the finger."""
     experiment, found = wire(parse(text.encode(), "s.toml"), "s.toml"), {}
     by_distance = {}
     for cell in experiment.cells.values():
@@ -251,10 +242,7 @@ def chances(text):
 
 
 def test_resolution_of_simulated_participant_is_recovered(tmp_path):
-    """Simulate a study file and analyse it.
-
-    The estimate equals the resolution of the plate's field within its error.
-    """
+    """The estimate equals the resolution of the plate's field within its error."""
     text = study(repeats=40)
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     simulated = "simulate", tmp_path / "study.toml", "--participants", "1", "--out", tmp_path / "data"

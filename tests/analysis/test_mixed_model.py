@@ -47,10 +47,7 @@ def test_published_model_with_force_as_covariate(published) -> None:
 
 
 def test_published_cell_means_model_and_its_closed_form(published) -> None:
-    """In a balanced design the residual variance is the error mean square.
-
-    The variance of participants is the rest of their mean square.
-    """
+    """In a balanced design the variances follow from mean squares."""
     found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject")
     values = np.array(PUBLISHED.split(), dtype=float).reshape(8, 3, 4)
     design = WithinDesign(values, ("force", "freq"), ((0, 1, 2), (0, 1, 2, 3)), tuple(range(8)))
@@ -107,10 +104,7 @@ def test_hard_scales_have_the_same_tests(published, scale) -> None:
 
 
 def test_each_term_is_averaged_over_the_others(published) -> None:
-    """Compare with sums of squares over the common error.
-
-    The design is balanced.
-    """
+    """Compare with sums of squares over the common error of the balanced design."""
     found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject").terms.set_index("term")
     anova = repeated_measures(published, dependent="y", within=WITHIN, subject="subject").set_index("Source")
     error = (anova["MS"] / anova["F"] * anova["ddof2"]).sum() / anova["ddof2"].sum()

@@ -26,10 +26,7 @@ STEEP_WITH_LAPSES = np.array(np.meshgrid(np.linspace(-0.5, 0.5, 41), [-1.3, -1.1
     ids=str,
 )
 def test_mode_is_higher_of_two_summits(k, guess_rate) -> None:
-    """The best node of the coarse grid is shallow.
-
-    Its log density is higher by up to 16, but it leads to the lower maximum.
-    """
+    """The best node of the coarse grid leads to the lower maximum."""
     posterior = log_posterior(LEVELS, [k], 40, guess_rate=guess_rate)
     m, v, lapse = (part.ravel() for part in STEEP_WITH_LAPSES)
     nodes = np.stack([m, v, lapse, np.full_like(m, guess_rate or 0.0)], axis=1)
@@ -45,10 +42,7 @@ def test_mode_is_higher_of_two_summits(k, guess_rate) -> None:
     [([10, 11, 9, 13, 17, 18, 19], 4.7544, 0.0), ([8, 12, 17, 16, 18, 20, 17], 2.7524, 0.0737)],
 )
 def test_mode_is_highest_over_lapse_rates(k, threshold, lapse_rate) -> None:
-    """The modes are those of psignifit 4.3.
-
-    Each has another maximum, lower by 0.01 or 0.06, at a different lapse rate.
-    """
+    """The modes are those of psignifit 4.3; another maximum is lower by 0.01 or 0.06."""
     found = fit(range(1, 8), k, 20, shape="normal", guess_rate=0.5)
     assert (found.threshold, found.lapse_rate) == pytest.approx((threshold, lapse_rate), abs=1e-3)
 
@@ -110,10 +104,7 @@ def climbed_from_everywhere(posterior) -> np.ndarray:
 
 @pytest.mark.slow
 def test_highest_summit_is_found_in_irregular_sets() -> None:
-    """Compare with climbs from a dense grid of starts.
-
-    The soak has 3 600 sets, 200 of each of 18 kinds.
-    """
+    """Compare with climbs from a dense grid of starts (3 600 sets in the soak)."""
     rng, n, missed = np.random.default_rng(), 200 if SOAK else 3, 0
     for kind, (levels, n_trials), guess_rate in UNRULY:
         shape = rng.choice(["normal", "logistic", "gumbel", "reversed_gumbel"])

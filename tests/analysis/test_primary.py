@@ -25,10 +25,7 @@ FACTORS = ["force_n", "frequency_hz"]
 
 
 def estimates(rng, n=8, interaction=0.0, n_below=0) -> pd.DataFrame:
-    """Draw thresholds of two forces at three frequencies.
-
-    The first `n_below` participants have bounds in the last cell.
-    """
+    """Draw thresholds of two forces at three frequencies; the first `n_below` have bounds in the last cell."""
     keys = list(product([f"P{i}" for i in range(n)], (0.5, 2.0), (60, 120, 240)))
     table = pd.DataFrame(keys, columns=["participant", *FACTORS])
     own = dict(zip(table["participant"].unique(), rng.normal(0, 2, n), strict=True))
@@ -84,10 +81,7 @@ def test_censored_anova_is_primary_with_bounds() -> None:
 
 
 def test_flat_cell_counts_as_interval() -> None:
-    """One cell has both ends, the other only an upper end.
-
-    The latter lies below the levels no more than above them.
-    """
+    """One cell has both ends, the other only an upper end."""
     table = estimates(np.random.default_rng())
     rows = table.index[:2]
     table.loc[rows, "threshold"], table.loc[rows, "status"] = np.nan, "flat"

@@ -49,10 +49,7 @@ def test_mean_bias_is_small_against_participant_spread(recovered) -> None:
 
 
 def test_intervals_cover_the_truth(recovered) -> None:
-    """Coverage is at least 93.5 %, minus a tolerance at 1e-4.
-
-    An open end covers all values on its side.
-    """
+    """An open end covers all values on its side."""
     truth, fits = recovered
     covered = sum(
         (f.interval_low is None or f.interval_low <= t) and (f.interval_high is None or t <= f.interval_high)

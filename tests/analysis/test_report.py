@@ -211,10 +211,7 @@ def test_masking_vibration_raises_the_difference_threshold(dallmann) -> None:
 
 
 def test_fits_without_lapses_equal_probit_regression(dallmann) -> None:
-    """With free lapses (the default) differences are smaller.
-
-    Points of equality agree within their intervals.
-    """
+    """With free lapses (the default) differences are smaller."""
     import statsmodels.api as sm
 
     rows, outside = dallmann.trials.rows, []
@@ -279,10 +276,7 @@ def test_refuses_levels_in_two_units(tmp_path) -> None:
 
 @pytest.fixture(scope="module")
 def pressed(study, tmp_path_factory) -> Path:
-    """Write the study with a measured force.
-
-    It is 10 % above the target; that of P02 is out of the band.
-    """
+    """Write the study with a force 10 % above the target; that of P02 is out of the band."""
     rng = np.random.default_rng()
     table = pd.read_csv(study[0], dtype=str, keep_default_na=False)
     force = table["force_n"].astype(float) * (1.1 + 0.02 * rng.normal(size=len(table)))

@@ -42,10 +42,7 @@ def one(whole) -> Analysis:
 
 @pytest.fixture(scope="module")
 def two(whole, tmp_path_factory) -> Analysis:
-    """A second participant with levels that are 3 dB higher.
-
-    The answers are the same.
-    """
+    """Add a participant with the same answers at levels that are 3 dB higher."""
     root = Path(shutil.copytree(whole, tmp_path_factory.mktemp("two") / "d"))
     file = next((root / "data").glob("*.csv"))
     table = pd.read_csv(file, dtype=str, keep_default_na=False)

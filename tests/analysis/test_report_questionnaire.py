@@ -17,10 +17,7 @@ from tactometry.cli.analyse import summary_text
 
 @pytest.fixture(scope="module")
 def patterns(tmp_path_factory) -> Path:
-    """Write AttrakDiff answers of six participants to P0 to P6.
-
-    The high frequency is rated better.
-    """
+    """Write AttrakDiff answers of six participants, who rate the high frequency better."""
     better = {f"P{n}": 1.5 for n in (4, 5, 6)}
     table = answers_of(np.random.default_rng(), n=6, effect=better)
     table = table.assign(session=1, study="patterns", block=1, trial=range(1, len(table) + 1), level="", valid=1)

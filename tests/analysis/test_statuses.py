@@ -22,10 +22,7 @@ OUTSIDE = (Status.BELOW, Status.ABOVE, Status.FLAT)
 
 
 def test_track_at_three_quarters_correct_has_status_ok() -> None:
-    """A weighted staircase has 32 forced choices, 25 of them correct.
-
-    7 % of the posterior lie below the lowest level.
-    """
+    """A weighted staircase: 7 % of the posterior lie below the lowest level."""
     levels_db, n_trials = [20, 22, 24, 26, 28, 30, 32, 34], [1, 4, 6, 6, 5, 5, 3, 2]
     found = fit(levels_db, [0, 2, 4, 5, 4, 5, 3, 2], n_trials, shape="gumbel", guess_rate=0.5, scale_free_width=True)
     assert found.status == Status.OK
@@ -69,10 +66,7 @@ def test_hierarchical_statuses_equal_single_statuses(catch) -> None:
 
 @st.composite
 def _nasty(draw: st.DrawFn) -> tuple[list[float], list[int], list[int]]:
-    """Draw a few levels with few or very many answers in any order.
-
-    Some levels are close together or far away.
-    """
+    """Draw a few levels, close or far apart, with few or very many answers in any order."""
     size = draw(st.integers(2, 7))
     gaps = draw(st.lists(st.sampled_from((0.001, 0.1, 1.0, 60.0)), min_size=size, max_size=size))
     n_trials = draw(st.lists(st.sampled_from((1, 2, 5, 20, 200)), min_size=size, max_size=size))
@@ -97,10 +91,7 @@ def test_every_estimate_is_within_its_interval(method, data, guess_rate, lapse_r
 
 
 def test_likelihood_without_curvature_has_status_and_posterior_interval() -> None:
-    """Regression test: maximum likelihood printed meaningless ranges.
-
-    The width was from 3.6e-93 to 2.7e91, the interval from -3.3 to 9.4 on levels 1 to 7.
-    """
+    """Regression test: maximum likelihood printed widths from 3.6e-93 to 2.7e91."""
     found = fit(range(1, 8), [11, 10, 13, 12, 12, 13, 14], 20, shape="normal", guess_rate=0.5, method="likelihood")
     assert found.status == Status.FLAT
     assert (found.threshold, found.width_high, found.method) == (None, None, "posterior")

@@ -55,10 +55,7 @@ def test_maximum_likelihood_weibull_of_the_published_set() -> None:
 
 
 def test_published_set_has_mode_and_interval_of_psignifit() -> None:
-    """psignifit 4.3: threshold 0.0046464, width 0.0046632 (within 1 %).
-
-    Its interval includes overdispersion.
-    """
+    """psignifit 4.3 within 1 %; its interval includes overdispersion."""
     found = fitted(CORRECT, LEVELS, 90)
     assert found.threshold == pytest.approx(0.0046464, rel=0.01)
     assert found.width == pytest.approx(0.0046632, rel=0.01)

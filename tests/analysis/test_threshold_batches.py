@@ -35,10 +35,7 @@ def converged(monkeypatch: pytest.MonkeyPatch, *arguments, **options) -> tuple[T
 
 
 def test_ends_after_sparse_track_are_converged(monkeypatch) -> None:
-    """Equidistant nodes put an end off by 18 % of the interval.
-
-    The track is a staircase of 40 trials.
-    """
+    """On equidistant nodes an end of this staircase was off by 18 % of the interval."""
     levels = [0, 3, 4, 8, 11, 12, 16, 19, 20, 24, 26, 27, 28, 30, 35]
     n_correct, n_trials = [4, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 14, 3, 1], [5, 1, 1, 1, 1, 2, 1, 1, 1, 1, 5, 1, 15, 3, 1]
     track = log_posterior(levels, n_correct, n_trials, shape="gumbel", guess_rate=0.5, scale_free_width=True)
@@ -52,10 +49,7 @@ def test_ends_after_sparse_track_are_converged(monkeypatch) -> None:
 @pytest.mark.parametrize("sharing", [8, 10**9], ids=["shared grid", "own grids"])
 @pytest.mark.parametrize(("n", "guess_rate"), [(20, 0.5), (60, 0.5), (400, 0.5), (20, None)])
 def test_intervals_and_means_match_converged_posterior(monkeypatch, n, guess_rate, sharing) -> None:
-    """They agree within 0.4 % of the interval's width.
-
-    The goal is 1 %; psignifit's errors are 2.3 to 5.7 %.
-    """
+    """The goal is 1 %; psignifit's errors are 2.3 to 5.7 %."""
     n_sets = N_SETS if guess_rate else 8
     k, options = answers(n, guess_rate or 0.04, np.random.default_rng())[:n_sets], {"guess_rate": guess_rate}
     reference = converged(monkeypatch, LEVELS, k, n, **options)

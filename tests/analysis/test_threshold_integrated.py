@@ -44,10 +44,7 @@ def test_equals_a_probit_regression_on_many_random_sets() -> None:
 
 
 def psignifit_log_posterior(data, parameters, threshold_range, smallest_gap) -> float:
-    """Return psignifit 4's unnormalised log posterior.
-
-    It is written out for two alternatives without overdispersion.
-    """
+    """Return psignifit 4's unnormalised log posterior of two alternatives without overdispersion."""
     from psignifit import _priors, sigmoids
 
     m, w, lapse = parameters
@@ -115,10 +112,7 @@ def marginals(k, *, free_guess, overdispersed) -> dict[str, tuple[np.ndarray, np
 
 
 def chance_of(k, yes, no, eta) -> np.ndarray:
-    """Return the log-likelihood of k of 20 answers.
-
-    It is binomial, or beta-binomial with nu = 1 / eta^2 - 1.
-    """
+    """Return the log-likelihood of k of 20 answers, beta-binomial with nu = 1 / eta^2 - 1."""
     if not eta.any():
         return k * np.log(yes) + (20 - k) * np.log(no)
     nu = 1 / eta**2 - 1
@@ -139,10 +133,7 @@ def ends_of(nodes, masses) -> np.ndarray:
     ids=["2AFC", "yes/no", "overdispersed"],
 )
 def test_means_and_intervals_match_fine_grid_integral(free_guess, overdispersed, n_sets) -> None:
-    """They agree within 1 % of the width of psignifit's interval.
-
-    The soak has 100 random sets of each kind.
-    """
+    """The soak has 100 random sets of each kind."""
     pytest.importorskip("psignifit")
     rng, compared = np.random.default_rng(), 0
     options = {"guess_rate": None if free_guess else 0.5, "overdispersion": overdispersed, "estimate": "mean"}

@@ -80,10 +80,7 @@ def test_plan_can_disable_hierarchical_fit(study) -> None:
 
 
 def test_equality_points_and_differences_of_real_data() -> None:
-    """Vibration raises the difference from 2.94 to 3.58 cm/s.
-
-    The point of equality does not change (Dallmann, Ernst and Moscatelli 2015).
-    """
+    """Dallmann, Ernst and Moscatelli 2015."""
     path = SHARED / "data" / "dallmann2015_trials.csv"
     if not path.exists():
         pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")

@@ -47,10 +47,7 @@ TOLD = ("ok", "separated", "non_monotone", "too_few_levels")
 
 
 def is_honest(found, levels) -> bool:
-    """Return True for a valid threshold, or a note without one.
-
-    A valid threshold is within its interval and the levels.
-    """
+    """Return True for a threshold within its interval and the levels, or a note without one."""
     if found.threshold is None:
         return bool(found.note) and found.width is None and found.function is None
     ends = [end for end in (found.interval_low, found.interval_high) if end is not None]
@@ -170,10 +167,7 @@ TASKS = ("yes_no", "forced_choice", "comparison")
 
 
 def rising(levels=SEVEN, n=12):
-    """Return answers of four participants in two conditions.
-
-    Thresholds are near the middle.
-    """
+    """Return answers of four participants in two conditions, with thresholds near the middle."""
 
     def drawn(place, floor, rng):
         spacing = levels[1] - levels[0]
