@@ -49,15 +49,15 @@ def test_every_result_has_its_sentence(table) -> None:
     within = ["force", "freq"]
     tested = equivalence(table, factor="force", bound=50.0, **ARGUMENTS)
     model = mixed_model(table, factors=within, **ARGUMENTS)
-    told = [
+    sentences = [
         *table_sentences("permutation", permutation_test(table, within=within, **ARGUMENTS)),
         *table_sentences("pairs", pairs(table, factor="force", **ARGUMENTS), "dB"),
         *table_sentences("equivalence", tested, tested.attrs, "dB"),
         *table_sentences("model", model.terms, model),
     ]
-    assert all("nan" not in sentence and "None" not in sentence for sentence in told)
-    assert sum("p " in sentence for sentence in told) >= len(told) - 2
-    assert any("pairs are equivalent within +-50 dB" in sentence for sentence in told)
+    assert all("nan" not in sentence and "None" not in sentence for sentence in sentences)
+    assert sum("p " in sentence for sentence in sentences) >= len(sentences) - 2
+    assert any("pairs are equivalent within +-50 dB" in sentence for sentence in sentences)
 
 
 F_TEST = {"Source": "a * b", "ddof1": 2, "ddof2": 14, "F": 8.1, "eps_CM": 1.0, "np2": 0.536}

@@ -1,6 +1,7 @@
 """Tests of applied force, time in band, and exclusion rules."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,7 @@ from tactometry.analysis.reading.quality import Exclusion, exclude, quality
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.tasks.applied_force import force_of_participants, force_table, has_force
 from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.study.study_file import locate, parse
 
 COLUMNS = "participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response,correct,latency_s"
 COLUMNS += ",force_mean_n,force_sd_n,force_in_band,valid,catch"
@@ -58,12 +60,8 @@ def test_participant_force_uses_used_trials_only(some) -> None:
 def test_the_table_has_means_over_participants(some) -> None:
     table = force_table(force_of_participants(used_rows(some), some.factors), ["force_n"])
     row = table.iloc[1]
-    assert (row["mean"], row["sd"], row["n"], row["n_trials"]) == (
-        pytest.approx(2.85),
-        pytest.approx(np.std([2.4, 3.3], ddof=1)),
-        2,
-        3,
-    )
+    assert row[["mean", "sd"]].tolist() == pytest.approx([2.85, np.std([2.4, 3.3], ddof=1)])
+    assert row[["n", "n_trials"]].tolist() == [2, 3]
     assert row["text"] == "2.85 ± 0.64 N, 95 % in band"
     assert (row["mean_low"], row["mean_high"]) == (None, None)  # fewer than three values of a bounded quantity
 
@@ -114,18 +112,11 @@ def test_a_plan_is_read_from_a_file(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (
-            "[exclusions]",
-            "exclusions: found an unknown key, expected one of exclusion, equivalence, hierarchical, primary; did",
-        ),
+        ("[exclusions]", "exclusions: found an unknown key, expected one of exclusion, equivalence, hierarchical, pri"),
         ("[exclusion]\nin_band = 0.8", "exclusion.in_band: found an unknown key, expected one of force_in_band_share_"),
-        (
-            "[exclusion]\nforce_in_band_share_min = 80",
-            "force_in_band_share_min: found 80.0, expected a number from 0 to 1",
-        ),
+        ("[exclusion]\nforce_in_band_share_min = 80", "share_min: found 80.0, expected a number from 0 to 1"),
         ("[exclusion]\nlatency_max_s = -1", "latency_max_s: found -1.0, expected a number from 0"),
         ("[exclusion]\nlatency_max_s = nan", "latency_max_s: found nan, expected a number from 0"),
-        ("[exclusion]\nlatency_min_s = 2\nlatency_max_s = 1", "found 1.0, expected more than latency_min_s, 2.0"),
         ("[exclusion]\nlatency_min_s = 1\nlatency_max_s = 1", "found 1.0, expected more than latency_min_s, 1.0"),
         ("[exclusion]\nlatency_max_s = 'long'", "latency_max_s: found 'long', expected a number"),
         ("[equivalence]\nforce_n = 0", "equivalence.force_n: found 0.0, expected a difference above 0"),
@@ -139,14 +130,7 @@ def test_invalid_plan_is_rejected(tmp_path, text, message) -> None:
         read_plan(file)
 
 
-def test_a_bound_names_a_factor() -> None:
-    with pytest.raises(InvalidParameter, match="equivalence.force: found no such factor, expected one of force_n"):
-        AnalysisPlan(equivalence={"force": 1.0}).check(["force_n"])
-
-
 def test_exclusion_rule_names_its_missing_column(some) -> None:
-    from dataclasses import replace
-
     without = replace(some, rows=some.rows.drop(columns="latency_s"))
     with pytest.raises(InvalidParameter, match="latency_max_s: found no column 'latency_s', which this rule requires"):
         exclude(without, Exclusion(latency_max_s=3.0), quality(without))
@@ -162,14 +146,11 @@ def data_set(tmp_path, analysis):
         for code, alarm in (("P1", 1), ("P2", 0))
         for n, catch, answer in [*((n, 0, int(n > 3)) for n in range(1, 8)), (8, 1, alarm), (9, 1, alarm)]
     ]
-    name = "all_data.csv"
-    (tmp_path / "data" / name).write_text("\n".join([COLUMNS, *rows]) + "\n")
+    (tmp_path / "data" / "all_data.csv").write_text("\n".join([COLUMNS, *rows]) + "\n")
     return tmp_path
 
 
-STATED = (
-    "[analysis]\nhierarchical = false\n[analysis.exclusion]\nfalse_alarm_share_max = 0.3\nlatency_min_s = '100 ms'\n"
-)
+STATED = "[analysis]\nhierarchical = false\nexclusion = { false_alarm_share_max = 0.3, latency_min_s = '100 ms' }\n"
 
 
 def test_plan_of_study_is_used(tmp_path) -> None:
@@ -185,21 +166,14 @@ def test_given_plan_replaces_plan_of_study(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("[analysis.exclusions]", "study.toml, analysis.exclusions: found an unknown key, expected one of exclusion"),
-        ("[analysis.exclusion]\nlatency_max_s = -1", "latency_max_s: found -1.0, expected a number from 0"),
-        ("= 3", "study.toml: found no valid TOML"),
-    ],
+    ("text", "message"), [("[analysis.exclusions]", ", analysis.exclusions: found"), ("= 3", ": found no valid TOML")]
 )
 def test_a_damaged_plan_of_a_study_is_refused(tmp_path, text, message) -> None:
-    with pytest.raises(InvalidFile, match=re.escape(message)):
+    with pytest.raises(InvalidFile, match=re.escape(f"study.toml{message}")):
         plan_of(data_set(tmp_path, text))
 
 
 def test_study_with_impossible_plan_is_rejected() -> None:
-    from tactometry.experiments.study.study_file import locate, parse
-
     content = locate("electrovibration-threshold").read_bytes()
     assert parse(content + STATED.encode(), "s.toml").analysis["hierarchical"] is False
     wrong = b"[analysis.equivalence]\nforce = 1.0\n"

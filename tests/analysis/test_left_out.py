@@ -13,8 +13,7 @@ from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
 
-TOLD = {"quality", "excluded", "sittings", "happenings"}
-"""Tables of whoever took part."""
+GENERAL = {"quality", "excluded", "sittings", "happenings"}
 STAIRCASES = RECORDED / "electrovibration-threshold"
 RULE = ["rule_estimate", "rule_sd", "rule_n", "rule_note"]
 
@@ -25,7 +24,7 @@ def planned(path, **rules):
 
 def tables_with(analysis, code):
     tables = analysis.tables.items()
-    return {name for name, table in tables if "participant" in table and code in set(table["participant"])} - TOLD
+    return {name for name, table in tables if "participant" in table and code in set(table["participant"])} - GENERAL
 
 
 @pytest.mark.parametrize(
@@ -42,25 +41,20 @@ def test_rule_estimate_includes_excluded_answers() -> None:
     """The procedure received those answers."""
     whole, some = planned(STAIRCASES), planned(STAIRCASES, latency_max_s=0.8)
     keys = ["participant", "force_n", "frequency_hz"]
-    told, kept = (each.tables["thresholds"].set_index(keys) for each in (whole, some))
-    assert len(some.trials.rows) < len(whole.trials.rows)
-    assert len(kept)
-    pd.testing.assert_frame_equal(kept[RULE], told.loc[kept.index, RULE])
+    estimates, kept = (each.tables["thresholds"].set_index(keys)[RULE] for each in (whole, some))
+    assert 0 < len(some.trials.rows) < len(whole.trials.rows)
+    pd.testing.assert_frame_equal(kept, estimates.loc[kept.index])
 
 
-@pytest.mark.parametrize(("level_scale", "is_asked"), [(None, True), ("linear", True), ("log10", False), ("db", False)])
-def test_rule_is_replayed_only_on_recorded_scale(level_scale, is_asked, tmp_path) -> None:
-    asked = []
-
-    def replay(block):
-        asked.append(len(block))
-        return {}
-
-    path = tmp_path / "trials.csv"
+@pytest.mark.parametrize(
+    ("level_scale", "is_replayed"), [(None, True), ("linear", True), ("log10", False), ("db", False)]
+)
+def test_rule_is_replayed_only_on_recorded_scale(level_scale, is_replayed, tmp_path) -> None:
+    blocks, path = [], tmp_path / "trials.csv"
     (recorded, *_) = (STAIRCASES / "data").glob("*.csv")
     path.write_text(recorded.read_text("utf-8").replace("dB re 1 V", "V"), "utf-8")
-    analyse(path, level_scale=level_scale, replay=replay)
-    assert bool(asked) == is_asked
+    analyse(path, level_scale=level_scale, replay=lambda block: blocks.append(block) or {})
+    assert bool(blocks) == is_replayed
 
 
 def test_without_courses_there_is_no_table_of_touches(tmp_path) -> None:

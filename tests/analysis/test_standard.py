@@ -17,8 +17,6 @@ from tactometry.analysis.threshold.equality import equalities, fit_comparisons
 from tactometry.analysis.threshold.fitting import fitting
 from tactometry.experiments.bias_study.comparisons import N_AT_STANDARD, STANDARD, STANDARD_LEVELS, answers_to_standard
 
-STUDY = "texture-discrimination"
-
 
 @pytest.mark.parametrize("above_db", [0.0, 12.0])
 def test_pse_is_standard_when_standard_is_at_threshold(above_db) -> None:
@@ -98,45 +96,36 @@ def test_pse_halves_all_answers_on_fitted_curve() -> None:
     assert found.fit.function.probability(found.fit.threshold) == pytest.approx(0.5, abs=0.03)
 
 
-def test_analyse_reports_standard_everywhere(tmp_path, capsys) -> None:
-    data, page = tmp_path / "trials.csv", tmp_path / "report.html"
-    n_more = (3, 4, 5, 8, 9)
+def comparisons(path, counts, n):
+    """Write answers of "more" by participant and force at five levels around a standard of 40 dB."""
     rows = [
-        {"participant": f"P{who}", "trial": 10 * n + k, "procedure": "constant_stimuli", "level": 36 + 2 * n}
-        | {"level_unit": "dB", "task": "comparison", "standard_level": 40, "response": int(k < n_more[n] - (k == who))}
-        for who in (1, 2, 3)
-        for n in range(5)
-        for k in range(10)
+        (who, n * k + trial, force, "constant_stimuli", 36 + 2 * k, int(trial < more))
+        for (who, force), n_more in counts.items()
+        for k, more in enumerate(n_more)
+        for trial in range(n)
     ]
-    pd.DataFrame(rows).to_csv(data, index=False)
+    table = pd.DataFrame(rows, columns=["participant", "trial", "force_n", "procedure", "level", "response"])
+    table.assign(level_unit="dB", task="comparison", standard_level=40).to_csv(path, index=False)
+    return path
+
+
+def test_analyse_reports_standard_everywhere(tmp_path, capsys) -> None:
+    counts = {(f"P{who}", 1): [more - (more == who + 1) for more in (3, 4, 5, 8, 9)] for who in (1, 2, 3)}
+    data, page = comparisons(tmp_path / "trials.csv", counts, 10), tmp_path / "report.html"
     found = json.loads(output(capsys, "analyse", data, "--report", page, "--json"))
     assert [row["standard_level"] for row in found["standard"]] == [40]
     assert [row["n_trials"] for row in found["lowest_levels"]] == [30]
     assert any("at the lowest level" in line for line in found["warnings"])
-    assert "PSE minus the standard of 40 dB" in page.read_text("utf-8")
     text = output(capsys, "analyse", data)
-    assert "PSE minus the standard of 40 dB" in text
+    for shown in (page.read_text("utf-8"), text):
+        assert "PSE minus the standard of 40 dB" in shown
     assert "Weber fraction" in text
 
 
 def test_standard_has_mean_jnd_of_group_table(tmp_path, capsys) -> None:
-    data = tmp_path / "trials.csv"
     step, slopes = (0, 0, 0, 8, 8), ((0, 2, 4, 6, 8), (0, 1, 4, 7, 8), (1, 3, 4, 6, 7), (0, 2, 5, 7, 8))
-    counts = {(f"P{who}", force): more for who, more in enumerate(slopes, 1) for force in (1, 2)}
-    rows = [
-        {"participant": who, "trial": 8 * n + k, "force_n": force, "procedure": "constant_stimuli"}
-        | {
-            "level": 36 + 2 * n,
-            "level_unit": "dB",
-            "task": "comparison",
-            "standard_level": 40,
-            "response": int(k < more),
-        }
-        for (who, force), counted in (counts | {("P1", 2): step}).items()
-        for n, more in enumerate(counted)
-        for k in range(8)
-    ]
-    pd.DataFrame(rows).to_csv(data, index=False)
+    counts = {(f"P{who}", force): more for who, more in enumerate(slopes, 1) for force in (1, 2)} | {("P1", 2): step}
+    data = comparisons(tmp_path / "trials.csv", counts, 8)
     found = json.loads(output(capsys, "analyse", data, "--json"))
     (group,) = (one["group"] for one in found["outcomes"] if one["dependent"] == "jnd")
     of_group = [[row["mean"], row["mean_low"], row["mean_high"], row["n"]] for row in group]
@@ -145,6 +134,6 @@ def test_standard_has_mean_jnd_of_group_table(tmp_path, capsys) -> None:
 
 
 def test_dry_run_warns_of_standard_near_threshold(capsys) -> None:
-    said = output(capsys, "run", STUDY, "--participant", "P01", "--dry-run")
-    assert "WARNING: the standard (40 dB re 1 V) is 6.9 dB above the predicted threshold" in said
-    assert "some participants may not feel it" in said
+    text = output(capsys, "run", "texture-discrimination", "--participant", "P01", "--dry-run")
+    assert "WARNING: the standard (40 dB re 1 V) is 6.9 dB above the predicted threshold" in text
+    assert "some participants may not feel it" in text

@@ -1,8 +1,4 @@
-"""Tests of statuses: verdicts, agreement and intervals.
-
-Tracks that aim at one part of the function are not penalised, every analysis has the same status, and no estimate lies
-outside of its interval. The bias study has the shares (test_bias_study.py).
-"""
+"""Tests of statuses; the bias study has their shares (test_bias_study.py)."""
 
 import math
 from dataclasses import asdict
@@ -10,6 +6,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 from examples import examples
+from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
 from tactometry.analysis.outcomes.hierarchical_outcome import group_fit
@@ -38,30 +35,20 @@ def test_constant_rates_are_flat_above_or_below() -> None:
     assert sum((above.probability_below, above.probability_within, above.probability_above)) <= 1
 
 
-CATCH = {"few false alarms": (1, 20), "many": (8, 20), "none asked": (0, 0)}
 ANSWERS = ((0, 3, 7, 10), (1, 1, 2, 2), (10, 10, 9, 10), (3, 6, 8, 10), (4, 4, 5, 4))
 
 
-SLOW = {"many": pytest.mark.slow}
-
-
 @pytest.mark.parametrize(
-    "catch", [pytest.param(catch, id=name, marks=SLOW.get(name, ())) for name, catch in CATCH.items()]
+    "catch", [(1, 20), pytest.param((8, 20), marks=pytest.mark.slow), (0, 0)], ids=["few alarms", "many", "no catch"]
 )
 def test_hierarchical_statuses_equal_single_statuses(catch) -> None:
     levels = (1.0, 2.0, 3.0, 4.0)
     cells = [Cell(f"P{i}", (), "yes_no", levels, k, (10,) * 4, *catch[::-1]) for i, k in enumerate(ANSWERS)]
     alone = [each.fit.status for each in estimates(cells, "dB")]
-    each_by_fit = [
-        fit(
-            levels, k, 10, shape="gumbel", guess_rate=None, scale_free_width=True,
-            n_false_alarms=catch[0], n_catch=catch[1],
-        ).status
-        for k in ANSWERS
-    ]  # fmt: skip
-    found = group_fit(cells, (), "dB").participants["status"].tolist()
-    assert alone == each_by_fit
-    assert found == alone
+    options = {"shape": "gumbel", "guess_rate": None, "scale_free_width": True}
+    options |= {"n_false_alarms": catch[0], "n_catch": catch[1]}
+    assert alone == [fit(levels, k, 10, **options).status for k in ANSWERS]
+    assert group_fit(cells, (), "dB").participants["status"].tolist() == alone
 
 
 @st.composite
@@ -99,9 +86,23 @@ def test_likelihood_without_curvature_has_status_and_posterior_interval() -> Non
 
 def test_all_three_estimates_are_available() -> None:
     answers = ([1, 2, 3, 4, 5, 6, 7], [10, 11, 12, 15, 18, 19, 20], 20)
-    each = {name: fit(*answers, shape="normal", guess_rate=0.5, estimate=name) for name in ("mode", "median", "mean")}
-    one = each["mode"]
-    assert one.threshold == one.threshold_mode
-    assert each["median"].threshold == one.threshold_median
-    assert each["mean"].threshold == one.threshold_mean
-    assert one.threshold_mean < one.threshold_median < one.threshold_mode
+    fits = {name: fit(*answers, shape="normal", guess_rate=0.5, estimate=name) for name in ("mode", "median", "mean")}
+    for name, one in fits.items():
+        assert one.threshold == getattr(fits["mode"], f"threshold_{name}")
+    assert fits["mean"].threshold < fits["median"].threshold < fits["mode"].threshold
+
+
+@pytest.mark.parametrize("n_yes", [[4, 4, 6, 6, 6, 6, 5], [6, 6, 3, 5, 7, 9, 6]])
+def test_noisy_half_yes_answers_are_flat(n_yes) -> None:
+    """The interval, twice as long as the levels, is not informative."""
+    found = fit(range(7), n_yes, 10, shape="normal", guess_rate=0.0, method="likelihood")
+    assert found.status == Status.FLAT
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("n", [12, 100_000])
+def test_half_yes_answers_are_flat_for_any_size(n, method) -> None:
+    """The prior of the width alone would place the threshold at the middle."""
+    found = fit(range(7), [n // 2] * 7, n, shape="normal", guess_rate=0.0, lapse_rate=0.0, method=method)
+    assert (found.status, found.threshold) == (Status.FLAT, None)
+    exact_case("half of the answers yes at every level", against="a status, no number")
