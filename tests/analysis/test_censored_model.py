@@ -186,19 +186,25 @@ def test_censored_model_is_singular_for_identical_participants() -> None:
     exact_case("a censored model of identical participants", against="a status")
 
 
-def test_censored_model_rejects_endless_likelihood_and_invalid_bounds() -> None:
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"y": np.nan, "low": np.nan}, "y, row 0: found neither a value nor a bound, expected a value, or a"),
+        ({"y": np.inf}, "y, row 0: found the bounds inf and inf"),
+        ({"y": np.nan, "low": 3.0, "high": 2.0}, "y, row 0: found the bounds 3 and 2"),
+        ({"low": [None, "few", *[None] * 22]}, "low, row 1: found few, expected a number or nothing"),
+    ],
+)
+def test_censored_model_rejects_invalid_bounds(change, message) -> None:
+    with pytest.raises(InvalidParameter, match=message):
+        fit(cut(study(np.random.default_rng())).assign(**change))
+
+
+def test_censored_model_rejects_endless_likelihood_and_unknown_column() -> None:
     table = cut(study(np.random.default_rng()))
     endless = table["force_n"] == 2.0
     with pytest.raises(InvalidParameter, match=r"force_n = 2.0: found a likelihood without a finite maximum"):
         fit(table.assign(y=table["y"].where(~endless), low=table["low"].where(~endless, 22.0)))
-    with pytest.raises(InvalidParameter, match="y, row 0: found neither a value nor a bound, expected a value, or a"):
-        fit(table.assign(y=np.nan, low=np.nan))
-    with pytest.raises(InvalidParameter, match="y, row 0: found the bounds inf and inf"):
-        fit(table.assign(y=np.inf))
-    with pytest.raises(InvalidParameter, match="y, row 0: found the bounds 3 and 2"):
-        fit(table.assign(y=np.nan, low=3.0, high=2.0))
-    with pytest.raises(InvalidParameter, match="low, row 1: found few, expected a number or nothing"):
-        fit(table.assign(low=["", "few", *[None] * (len(table) - 2)]).assign(low=lambda t: t["low"].replace("", None)))
     with pytest.raises(InvalidParameter, match="found no column 'lows'; did you mean 'low'"):
         fit(table, low="lows")
 

@@ -17,9 +17,7 @@ from tactometry.errors import InvalidParameter
 
 N = 200_000
 TEAMS = ("Milwaukee", "Detroit", "Toronto", "New York", "Boston", "Cleveland", "Baltimore")
-WINS = """
-- 7 9 7 7 9 11  6 - 7 5 11 9 9  4 6 - 7 7 8 12  6 8 6 - 6 7 10  6 2 6 7 - 7 12  4 4 5 6 6 - 6  2 4 1 3 1 7 -
-"""
+WINS = "- 7 9 7 7 9 11  6 - 7 5 11 9 9  4 6 - 7 7 8 12  6 8 6 - 6 7 10  6 2 6 7 - 7 12  4 4 5 6 6 - 6  2 4 1 3 1 7 -"
 
 
 def counts(d_prime, differ, rng) -> tuple[int, int, int, int]:
@@ -95,8 +93,6 @@ def test_worths_and_order_are_recovered_within_their_errors(n_participants) -> N
     assert np.abs(errors).max() < 8
     alone = bradley_terry(table["item"], table["item_b"], table["response"])
     np.testing.assert_allclose(found["worth"], alone["worth"], rtol=1e-9)
-    reach = (found["high"] - found["worth"]) / found["standard_error"]
-    np.testing.assert_allclose(reach, student.ppf(0.975, 11) if n_participants == 12 else norm.ppf(0.975), rtol=1e-9)
     same = np.allclose(found["standard_error"], alone["standard_error"], rtol=1e-9)
     assert same == (n_participants < 5)
 
@@ -119,9 +115,8 @@ def test_worth_intervals_use_participants_from_five_on(n, reach) -> None:
 def test_worths_of_two_items_have_closed_form() -> None:
     """The logits are w_a - w_b + o and w_b - w_a + o, with variances 1 / k + 1 / (n - k)."""
     (k, n), (j, m) = (30, 40), (12, 36)
-    found = bradley_terry(
-        ["a"] * n + ["b"] * m, ["b"] * n + ["a"] * m, [1] * k + [2] * (n - k) + [1] * j + [2] * (m - j)
-    )
+    preferred = [1] * k + [2] * (n - k) + [1] * j + [2] * (m - j)
+    found = bradley_terry(["a"] * n + ["b"] * m, ["b"] * n + ["a"] * m, preferred)
     one, other, variance = logit(k / n), logit(j / m), 1 / k + 1 / (n - k) + 1 / j + 1 / (m - j)
     half = (one - other) / 4
     np.testing.assert_allclose(found["worth"], [half, -half, (one + other) / 2], rtol=1e-9)
@@ -164,38 +159,38 @@ def test_share_figure_draws_each_share_with_interval() -> None:
     assert [label.get_text() for label in axes.get_yticklabels()] == items
 
 
+def written(path, table, columns, factors=()):
+    table = table.assign(trial=range(1, len(table) + 1), procedure="constant_stimuli")
+    table[["participant", "trial", *factors, "procedure", *columns]].to_csv(path, index=False)
+    return path
+
+
 def test_both_are_analysed_and_reported(tmp_path) -> None:
     rng = np.random.default_rng()
-    table = compared(rng, 6, 8, TRUTH).assign(task="preference", level="", catch="", session=1)
-    rows = [("P01", 1 if rng.random() < (0.8 if c == 0 else 0.04) else 0, c) for c in (0, 1) for _ in range(50)]
+    table = compared(rng, 6, 8, TRUTH).assign(task="preference", level="", catch="")
+    rows = [("P01", int(rng.random() < (0.8 if c == 0 else 0.04)), c) for c in (0, 1) for _ in range(50)]
     same = pd.DataFrame(rows, columns=["participant", "response", "catch"])
     same = same.assign(task="same_different", level=np.where(same["catch"] == 1, "", "20"), item="", item_b="")
-    whole = pd.concat([table, same], ignore_index=True)
-    whole = whole.assign(trial=range(1, len(whole) + 1), procedure="constant_stimuli")
-    columns = ["participant", "trial", "procedure", "level", "task", "response", "catch", "item", "item_b"]
-    whole[columns].to_csv(tmp_path / "t.csv", index=False)
-    found = analyse(tmp_path / "t.csv", report=tmp_path / "r.html")
+    columns = ["level", "task", "response", "catch", "item", "item_b"]
+    found = analyse(written(tmp_path / "t.csv", pd.concat([table, same]), columns), report=tmp_path / "r.html")
     assert found.warnings == ()
     assert found.tables["same_different"]["n_same"].tolist() == [50]
     assert 1.5 < found.tables["same_different"]["d_prime_differencing"][0] < 6
     assert found.tables["preference"]["item"].tolist() == [*TRUTH, "first of the pair"]
     assert found.tables["preference"]["low"].notna().all()
-    page = found.report.read_text()
-    for text in ("<h2>Preferences</h2>", "<h2>Same or different</h2>", "Bradley-Terry", "differencing"):
-        assert text in page
-    assert summary(found)["preference"][0]["item"] == "P0"
-    assert "Share of its pairs in which each item was preferred, pooled over participants" in page
     assert found.tables["preference_shares"]["item"].tolist() == [*TRUTH]
+    assert summary(found)["preference"][0]["item"] == "P0"
+    caption = "Share of its pairs in which each item was preferred, pooled over participants"
+    page = found.report.read_text()
+    for text in ("<h2>Preferences</h2>", "<h2>Same or different</h2>", "Bradley-Terry", "differencing", caption):
+        assert text in page
 
 
 def test_compared_factor_is_not_a_force_condition(tmp_path) -> None:
-    table = compared(np.random.default_rng(), 4, 8, TRUTH).assign(
-        task="preference", level="20", procedure="constant_stimuli", place="", force_mean_n=1.1
-    )
-    table["trial"] = range(1, len(table) + 1)
-    columns = ["participant", "trial", "place", "procedure", "level", "task", "response", "item", "item_b"]
-    table[[*columns, "force_mean_n"]].to_csv(tmp_path / "t.csv", index=False)
-    found = analyse(tmp_path / "t.csv")
+    table = compared(np.random.default_rng(), 4, 8, TRUTH)
+    table = table.assign(task="preference", level="20", place="", force_mean_n=1.1)
+    columns = ["level", "task", "response", "item", "item_b", "force_mean_n"]
+    found = analyse(written(tmp_path / "t.csv", table, columns, ["place"]))
     assert found.trials.factors == ()
     assert found.tables["force"]["text"].str.startswith("1.10 ± ").all()
     assert "applied force" in summary_text(found)

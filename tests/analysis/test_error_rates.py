@@ -1,7 +1,4 @@
-"""Tests of simulated error rates of F and coverage of intervals.
-
-Reduced in `make test`; in full in the soak. A tolerance is the standard error of the share at 1e-4.
-"""
+"""Tests of simulated error rates of F and coverage of intervals; tolerances are standard errors at 1e-4."""
 
 from collections.abc import Mapping
 

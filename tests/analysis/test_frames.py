@@ -1,6 +1,7 @@
 """Tests of screen frames in the quality table."""
 
 import analysis_data
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -9,31 +10,24 @@ from tactometry.analysis.reading.quality import frames, with_frames
 from tactometry.errors import InvalidFile
 from tactometry.session.event import COLUMNS, Event
 
-NAMES = [column.name for column in COLUMNS]
-
 
 def event(kind, **facts) -> str:
     return "\t".join(Event(kind, 1.0, facts=facts).cells())
 
 
 def trial(n, dropped, longest_s) -> str:
-    facts = {"trial": 1, "n_frames": n, "n_dropped_frames": dropped, "frame_interval_max_s": longest_s}
-    return event("trial", **facts)
+    return event("trial", trial=1, n_frames=n, n_dropped_frames=dropped, frame_interval_max_s=longest_s)
 
 
 @pytest.fixture
 def data_set(tmp_path):
-    import numpy as np
-
     (tmp_path / "data").mkdir()
     (tmp_path / "journals").mkdir()
     truth = {(f"P0{p}", (0.5,)): 20.0 for p in (1, 2, 3)}
     analysis_data.write_study(tmp_path / "data" / "all_data.csv", truth, ["force_n"], rng=np.random.default_rng(), n=4)
-    for code, rows in {
-        "P01": [trial(500, 20, 0.08), event("remark", text="late"), trial(500, 0, 0.017)],
-        "P02": [trial(1000, 0, 0.018)],
-    }.items():
-        text = "\n".join(["\t".join(NAMES), *rows]) + "\n"
+    interrupted = [trial(500, 20, 0.08), event("remark", text="late"), trial(500, 0, 0.017)]
+    for code, rows in {"P01": interrupted, "P02": [trial(1000, 0, 0.018)]}.items():
+        text = "\n".join(["\t".join(column.name for column in COLUMNS), *rows]) + "\n"
         (tmp_path / "journals" / f"participant-{code}_session-1_study-x_events.tsv").write_text(text)
     return tmp_path
 
@@ -55,9 +49,7 @@ def test_quality_is_unchanged_without_events(tmp_path) -> None:
 
 
 def test_a_damaged_file_of_events_is_refused(data_set) -> None:
-    file = next((data_set / "journals").iterdir())
-    file.write_text("onset\tduration\n1\t2\n")
-    with pytest.raises(
-        InvalidFile, match=r"_events.tsv: found a damaged file of events \('trial_type'\), expected the columns"
-    ):
+    next((data_set / "journals").iterdir()).write_text("onset\tduration\n1\t2\n")
+    damaged = r"_events.tsv: found a damaged file of events \('trial_type'\), expected the columns"
+    with pytest.raises(InvalidFile, match=damaged):
         frames(data_set)

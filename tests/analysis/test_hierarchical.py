@@ -1,15 +1,19 @@
 """Tests of hierarchical fits: truths, real data and edge cases."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 from group_study import LAPSE_RATE, LEVELS, RARE, SD, WIDTH, fitted, simulated
 from hard_cases import exact_case
 from places import SHARED
+from scipy.linalg import helmert
 from scipy.special import ndtri
-from scipy.stats import binom
+from scipy.stats import binom, f as fisher
 from soak import SOAK
 
+from tactometry.analysis.anova.contrasts import epsilons
 from tactometry.analysis.hierarchical.fitting import GroupStatus, fit_hierarchical
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.errors import InvalidParameter
@@ -98,17 +102,9 @@ def test_the_published_conclusion_on_real_data() -> None:
     if not path.exists():
         pytest.skip("the shared folder with the data of Dallmann 2015 is absent")
     rows = pd.read_csv(path)
-    found = fit_hierarchical(
-        rows["speed_cm_per_s"],
-        rows["n_faster"],
-        rows["n_faster"] + rows["n_slower"],
-        rows["participant"],
-        {"vibration_hz": rows["vibration_hz"]},
-        shape="normal",
-        guess_rate=0.0,
-        lapse_rate=0.0,
-        width_by=("vibration_hz",),
-    )
+    answers = rows["speed_cm_per_s"], rows["n_faster"], rows["n_faster"] + rows["n_slower"], rows["participant"]
+    options = {"shape": "normal", "guess_rate": 0.0, "lapse_rate": 0.0, "width_by": ("vibration_hz",)}
+    found = fit_hierarchical(*answers, {"vibration_hz": rows["vibration_hz"]}, **options)
     assert found.conditions["threshold"].tolist() == pytest.approx([8.56, 8.41], abs=0.02)
     # A posterior standard deviation holds what nine participants leave open of the variances: a seventh more.
     assert found.conditions["standard_error"].tolist() == pytest.approx([0.165, 0.180], rel=0.05)
@@ -186,14 +182,6 @@ def test_steps_bound_the_width_of_all_participants(study) -> None:
     assert (found.conditions["width_high"] < 28).all()
 
 
-def test_identical_participants_have_a_small_standard_deviation(study) -> None:
-    """A tenth of the range is 2.8; the posterior mean cannot be 0."""
-    one = study[0][study[0]["participant"] == "P0"]
-    found = fitted(pd.concat([one.assign(participant=f"Q{i}") for i in range(5)]))
-    assert found.status == GroupStatus.OK
-    assert 0 < found.components["threshold"] < 2.8
-
-
 def test_widths_of_steps_stay_finite(study) -> None:
     """The likelihood of a varying width has no maximum for step answers."""
     k = [10, 7, 10, 10, 17, 19, 20, 10, 10, 10, 9, 10, 20, 20]
@@ -217,15 +205,6 @@ def test_interval_widens_when_lapse_rate_is_free() -> None:
     assert lengths[0] > lengths[1]
 
 
-def test_two_participants_have_wide_intervals(study) -> None:
-    """They are wider than those of eight by more than the root of four."""
-    few, many = (
-        fitted(study[0][study[0]["participant"].isin(names)]) for names in (["P0", "P1"], study[0]["participant"])
-    )
-    lengths = [(one.conditions["interval_high"] - one.conditions["interval_low"])[0] for one in (few, many)]
-    assert lengths[0] > 2 * lengths[1]
-
-
 def test_single_level_and_no_trials_have_statuses(study) -> None:
     rows = study[0]
     one_level = fitted(rows[rows["level"] == LEVELS[3]])
@@ -247,10 +226,9 @@ def test_neither_the_order_of_rows_nor_names_matter(study) -> None:
     rows = study[0]
     one, other = fitted(rows), fitted(rows.sample(frac=1.0, random_state=1).assign())
     renamed = fitted(rows.assign(participant="Z" + rows["participant"]))
+    expected = pytest.approx(one.conditions["threshold"].to_numpy(), rel=1e-6)
     for found in (other, renamed):
-        assert found.conditions["threshold"].to_numpy() == pytest.approx(
-            one.conditions["threshold"].to_numpy(), rel=1e-6
-        )
+        assert found.conditions["threshold"].to_numpy() == expected
 
 
 def test_a_weibull_is_a_gumbel_of_the_logarithm(study) -> None:
@@ -305,3 +283,82 @@ def test_lapse_rates_of_participants_follow_their_answers(study) -> None:
     rows.loc[is_easy, "k"] = 15
     rates = fitted(rows).participants.groupby("participant")["lapse_rate"].first()
     assert rates["P0"] > 2 * rates.drop("P0").mean()
+
+
+def test_effects_of_a_factorial() -> None:
+    rng, parts = np.random.default_rng(), []
+    for frequency_hz, base in ((60.0, 22.0), (240.0, 14.0)):
+        rows, _ = simulated(rng, means={0.5: base, 1.0: base}, n_trials=30)
+        parts.append(rows.assign(frequency_hz=frequency_hz))
+    rows = pd.concat(parts)
+    conditions = {"frequency_hz": rows["frequency_hz"], "force_n": rows["force_n"]}
+    found = fit_hierarchical(
+        rows["level"], rows["k"], rows["n"], rows["participant"], conditions, shape="normal", guess_rate=0.5
+    )
+    frequency, both = found.effect("frequency_hz"), found.effect("frequency_hz", "force_n")
+    assert (frequency.df, both.df) == (1, 1)
+    assert frequency.df_error == 7
+    assert frequency.p < 1e-3
+    assert both.p > RARE
+    weights = {(60.0, 0.5): 0.5, (60.0, 1.0): 0.5, (240.0, 0.5): -0.5, (240.0, 1.0): -0.5}
+    contrast = found.contrast(weights)
+    assert contrast.interval_low > 0
+    assert contrast.p < 1e-3
+
+
+def test_uneven_deviations_cost_degrees_of_freedom() -> None:
+    """The correction follows the covariance of the participants' thresholds."""
+    rows, _ = simulated(np.random.default_rng(), n=6, means={0.5: 18.0, 1.0: 19.0, 2.0: 19.0}, n_trials=30)
+    found = fitted(rows)
+    noise = np.random.default_rng().normal(0, 30, 6)
+    table = found.participants
+    uneven = replace(
+        found,
+        components={**found.components, "threshold_cell": 1.0},
+        participants=table.assign(threshold=table["threshold"] + np.outer(noise, [0, 0, 1]).ravel()),
+    )
+    one, other = (each.effect("force_n") for each in (found, uneven))
+    values = uneven.participants.pivot(index="participant", columns="force_n", values="threshold").to_numpy()
+    expected = epsilons(np.cov(values @ helmert(3).T, rowvar=False), 5)[2]
+    assert other.epsilon == pytest.approx(expected, rel=1e-9)
+    assert other.epsilon < 0.9
+    assert other.f == one.f
+    assert other.p == pytest.approx(float(fisher.sf(other.f, 2 * expected, 10 * expected)), rel=1e-9)
+
+
+def test_shared_widths_have_no_test(study) -> None:
+    message = "of: found 'log_width' over force_n, expected conditions with separate widths"
+    with pytest.raises(InvalidParameter, match=message):
+        fitted(study[0]).effect("force_n", of="log_width")
+
+
+@pytest.mark.soak
+def test_false_positive_rate_is_nominal_with_noisy_condition() -> None:
+    rng, n_studies = np.random.default_rng(), 400
+    found = [fitted(noisy(rng), guess_rate=0.02).effect("force_n").p < 0.05 for _ in range(n_studies)]
+    assert abs(np.mean(found) - 0.05) < 0.015 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
+
+
+def noisy(rng) -> pd.DataFrame:
+    """Simulate ten participants in four conditions, the first with threefold deviations."""
+    rows = []
+    for p in range(10):
+        own = 18.0 + 2.0 * rng.normal()
+        for condition, sd in enumerate((3.0, 1.0, 1.0, 1.0)):
+            curve = PsychometricFunction("normal", own + sd * rng.normal(), WIDTH, 0.02, LAPSE_RATE)
+            k = rng.binomial(20, curve.probability(LEVELS))
+            rows += [(f"P{p}", condition, x, each, 20) for x, each in zip(LEVELS, k, strict=True)]
+    return pd.DataFrame(rows, columns=["participant", "force_n", "level", "k", "n"])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda found: found.effect("frequency_hz"), "factors: found frequency_hz over 2 conditions"),
+        (lambda found: found.contrast({(3.0,): 1.0}), r"weights: found \(3.0,\), expected conditions, such as \(0.5,"),
+        (lambda found: found.contrast({(0.5,): 1.0}, of="width"), "of: found 'width', expected 'threshold'"),
+    ],
+)
+def test_contrasts_of_unknown_conditions_are_rejected(study, call, message) -> None:
+    with pytest.raises(InvalidParameter, match=f"^{message}"):
+        call(fitted(study[0]))

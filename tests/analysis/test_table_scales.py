@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import call
+from command_line import output
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
@@ -55,9 +55,8 @@ def test_map_with_invalid_unit_or_scale_is_rejected(tmp_path, text, message):
 def test_levels_in_two_units_are_refused(tmp_path):
     file = tmp_path / "t.csv"
     file.write_text("participant,side,level,level_unit,task,response\nP1,a,1,dB,yes_no,1\n")
-    with pytest.raises(
-        InvalidFile, match="found the level_unit 'dB', expected 'V', the unit after conversion by units.level"
-    ):
+    message = "found the level_unit 'dB', expected 'V', the unit after conversion by units.level"
+    with pytest.raises(InvalidFile, match=message):
         read_trials(file, within=["side"], column_map=ColumnMap(units={"level": "mV"}))
 
 
@@ -78,14 +77,11 @@ def contrasts(path: Path, *, unit: str = "") -> Path:
 
 
 def test_wide_linear_levels_have_warning(tmp_path, capsys):
-    file = contrasts(tmp_path)
-    status, _, out = call(capsys, "analyse", file, "--within", "side", "--json")
-    (warning,) = [text for text in json.loads(out)["warnings"] if "linear axis" in text]
-    assert status == 0
+    arguments = ("analyse", contrasts(tmp_path), "--within", "side", "--json")
+    (warning,) = [text for text in json.loads(output(capsys, *arguments))["warnings"] if "linear axis" in text]
     assert warning.startswith("levels from 0.002 to 0.5 span a factor of 250 on a linear axis")
     assert "--level-scale log10 or db" in warning
-    _, _, out = call(capsys, "analyse", file, "--within", "side", "--json", "--level-scale", "linear")
-    assert "linear axis" not in out
+    assert "linear axis" not in output(capsys, *arguments, "--level-scale", "linear")
 
 
 def test_decibel_or_narrow_levels_have_no_warning(tmp_path):
@@ -96,46 +92,32 @@ def test_decibel_or_narrow_levels_have_no_warning(tmp_path):
     assert wide_levels(few.assign(level=few["level"] - 0.01)) == []
 
 
-@pytest.mark.parametrize(("scale", "unit"), [("log10", "log10 V"), ("db", "dB re 1 V")])
-def test_threshold_is_on_the_logarithmic_scale(tmp_path, scale, unit):
-    found = analyse(contrasts(tmp_path, unit="V"), within=["side"], level_scale=scale)
-    table = found.tables["thresholds"]
-    assert set(table["level_unit"]) == {unit}
-    assert set(table["shape"]) == {"gumbel"}
-    factor = {"log10": 1, "db": 20}[scale]
-    true = factor * np.log10(TRUE.threshold)
-    row = table.iloc[0]
-    assert row["interval_low"] < true < row["interval_high"]
-    assert row["interval_high"] - row["interval_low"] < factor * 0.5
-    assert found.warnings == tuple(text for text in found.warnings if "linear axis" not in text)
-
-
-def test_log10_and_decibel_scales_have_same_threshold(tmp_path):
-    file = contrasts(tmp_path)
-    log10, db = (
-        analyse(file, within=["side"], level_scale=scale).tables["thresholds"]["threshold"].to_numpy(float)
-        for scale in ("log10", "db")
-    )
-    np.testing.assert_allclose(db, 20 * log10, rtol=1e-6)
+def test_threshold_is_on_the_logarithmic_scale(tmp_path):
+    file = contrasts(tmp_path, unit="V")
+    log10, db = (analyse(file, within=["side"], level_scale=scale).tables["thresholds"] for scale in ("log10", "db"))
+    for table, unit, factor in ((log10, "log10 V", 1), (db, "dB re 1 V", 20)):
+        (row,) = table.to_dict("records")
+        assert (row["level_unit"], row["shape"]) == (unit, "gumbel")
+        assert row["interval_low"] < factor * np.log10(TRUE.threshold) < row["interval_high"]
+        assert row["interval_high"] - row["interval_low"] < factor * 0.5
+    np.testing.assert_allclose(db["threshold"].astype(float), 20 * log10["threshold"].astype(float), rtol=1e-6)
 
 
 def test_command_option_overrides_scale_of_map(tmp_path, capsys):
-    file = contrasts(tmp_path, unit="V")
     (tmp_path / "m.toml").write_text('level_scale = "db"\n')
+    file = contrasts(tmp_path, unit="V")
     arguments = ("analyse", file, "--within", "side", "--json", "--columns", tmp_path / "m.toml")
-    _, _, out = call(capsys, *arguments)
-    assert json.loads(out)["level_unit"] == "dB re 1 V"
-    _, _, out = call(capsys, *arguments, "--level-scale", "log10")
-    assert json.loads(out)["level_unit"] == "log10 V"
+    for options, unit in (((), "dB re 1 V"), (("--level-scale", "log10"), "log10 V")):
+        found = json.loads(output(capsys, *arguments, *options))
+        assert found["level_unit"] == unit
+        assert not [text for text in found["warnings"] if "linear axis" in text]
 
 
 def test_level_scale_converts_settings_but_not_magnitudes(tmp_path):
-    file = tmp_path / "t.csv"
-    file.write_text(
-        "participant,side,level,level_unit,task,response\n"
-        "P1,a,1,V,adjustment,10\nP1,a,10,V,magnitude,3\nP1,a,,V,adjustment,\n"
-    )
-    rows = read_trials(file, within=["side"], level_scale="db").rows
+    lines = ["participant,side,level,level_unit,task,response"]
+    lines += ["P1,a,1,V,adjustment,10", "P1,a,10,V,magnitude,3", "P1,a,,V,adjustment,"]
+    (tmp_path / "t.csv").write_text("\n".join(lines) + "\n")
+    rows = read_trials(tmp_path / "t.csv", within=["side"], level_scale="db").rows
     assert rows["response"].tolist() == ["20.0", "3", ""]
     assert rows["level_unit"].tolist() == ["dB re 1 V", "V", "dB re 1 V"]
     assert rows["level"].tolist()[:2] == [0.0, 10.0]
@@ -151,9 +133,7 @@ def test_level_without_logarithm_is_rejected_with_its_row(tmp_path, name):
 
 
 def test_decibels_have_no_second_logarithm(tmp_path):
-    with pytest.raises(
-        InvalidParameter, match="found log10 for levels in 'dB re 1 V', which are already logarithms, expected"
-    ):
+    with pytest.raises(InvalidParameter, match="found log10 for levels in 'dB re 1 V', which are already logarithms"):
         read_trials(contrasts(tmp_path, unit="dB re 1 V"), within=["side"], level_scale="log10")
     with pytest.raises(InvalidParameter, match="--level-scale: found 'log', expected one of linear, log10, db"):
         on_scale(read_trials(contrasts(tmp_path), within=["side"]).rows, "log")

@@ -1,7 +1,4 @@
-"""Tests of threshold fits against independent computations.
-
-They are a probit regression and the posterior of psignifit, node by node and integrated on fine grids.
-"""
+"""Tests of threshold fits against a probit regression and psignifit's posterior on fine grids."""
 
 import numpy as np
 import pytest
@@ -26,17 +23,13 @@ def test_equals_a_probit_regression_on_many_random_sets() -> None:
     levels = np.arange(-3.0, 4.0)
     k = rng.binomial(25, 1 / (1 + np.exp(-1.2 * levels + rng.normal(size=(100, 1)))))
     compared = 0
-    for counts, found in zip(
-        k, fit_many(levels, k, 25, shape="normal", guess_rate=0.0, lapse_rate=0.0, method="likelihood"), strict=True
-    ):
+    fits = fit_many(levels, k, 25, shape="normal", guess_rate=0.0, lapse_rate=0.0, method="likelihood")
+    probit = sm.families.Binomial(sm.families.links.Probit())
+    for counts, found in zip(k, fits, strict=True):
         if found.status != Status.OK:
             continue
-        model = sm.GLM(
-            np.column_stack([counts, 25 - counts]),
-            sm.add_constant(levels),
-            family=sm.families.Binomial(sm.families.links.Probit()),
-        ).fit(tol=1e-12)
-        intercept, slope = model.params
+        model = sm.GLM(np.column_stack([counts, 25 - counts]), sm.add_constant(levels), family=probit)
+        intercept, slope = model.fit(tol=1e-12).params
         assert found.threshold == pytest.approx(-intercept / slope, rel=1e-6, abs=1e-7)
         assert found.width == pytest.approx(SHAPES["normal"].z_width / slope, rel=1e-6)
         compared += 1
