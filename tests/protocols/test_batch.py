@@ -1,6 +1,9 @@
 """Batches equal single runs, and answers have the right frequency."""
 
+import importlib
 import math
+import os
+import sys
 from itertools import product
 from typing import get_args
 
@@ -15,6 +18,7 @@ from scipy.stats import binomtest
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import ConstantStimuli, MethodOfLimits, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch.answers import AS_ASKED, LevelTable, criteria
+from tactometry.protocols.batch.loop import loop_of
 from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
 from tactometry.protocols.bayesian.outcome_model import FunctionModel
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
@@ -23,6 +27,7 @@ from tactometry.protocols.bayesian.quest_plus import Aim, Criterion
 from tactometry.protocols.bayesian.weighing import WeighingRule
 from tactometry.protocols.order import stream
 from tactometry.protocols.procedures.practice import Practice
+from tactometry.protocols.procedures.stepping import SteppingRule, Transition
 from tactometry.psychometric import PsychometricFunction
 
 
@@ -77,6 +82,7 @@ def unsure(level, outcome, *, threshold, width):
 
 
 THREE = FunctionModel({"threshold": GRID.thresholds, "width": (2.0, 5.0)}, 3, unsure)
+QUEST = {"start": 20.0, "start_sd": 9.0, "low": 0.0, "high": 40.0, "step": 0.5, "n_trials": 25, "sd_stop": 3.0}
 WEIGHING = {
     "wrong, unsure, right": QuestPlus(FEW, THREE, 25, 2.5, "threshold"),
     **{kind: rule for kind, rule in catalogue.PROCEDURES.items() if isinstance(rule, WeighingRule)},
@@ -86,10 +92,7 @@ WEIGHING = {
         for criterion in get_args(Criterion)
     },
     "answers that nothing allows": QuestPlus((0.0, 1.0), COIN, n_trials=9, prior={"bias": (0.0, 0.0, 1.0)}),
-    **{
-        f"QUEST, {to}": Quest(20.0, 9.0, 0.0, 40.0, 0.5, n_trials=25, sd_stop=3.0, placing=to)
-        for to in get_args(Placing)
-    },
+    **{f"QUEST, {to}": Quest(**QUEST, placing=to) for to in get_args(Placing)},
 }
 
 
@@ -138,16 +141,12 @@ def test_table_of_chances_is_interpolated_between_levels():
 
 
 def test_criteria_invert_the_psychometric_function():
-    """Answers equal those of comparing the uniform number with P(1)."""
-    function = PsychometricFunction("gumbel", 20.0, 9.0, 0.5, 0.02)
+    """Guesses and lapses have infinite criteria; others equal those of comparing the number with P(1)."""
+    parameters = ("gumbel", 20.0, 9.0, 0.5, 0.02)
     uniform, levels = np.random.default_rng().random((1, 10_000)), np.linspace(0, 40, 10_000)
-    drawn = criteria(uniform, "gumbel", 20.0, 9.0, 0.5, 0.02)
-    assert np.array_equal((levels > drawn)[0], (uniform < function.probability(levels))[0])
-
-
-def test_guesses_and_lapses_have_infinite_criteria():
-    drawn = criteria(np.array([[0.0, 0.499, 0.981]]), "logistic", 20.0, 9.0, 0.5, 0.02)
-    assert drawn.tolist() == [[-math.inf, -math.inf, math.inf]]
+    found = levels > criteria(uniform, *parameters)
+    assert np.array_equal(found[0], uniform[0] < PsychometricFunction(*parameters).probability(levels))
+    assert criteria(np.array([0.0, 0.499, 0.981]), *parameters).tolist() == [-math.inf, -math.inf, math.inf]
 
 
 def test_batch_orders_contain_each_level_once_per_repeat():
@@ -215,3 +214,68 @@ def test_tracks_reject_arrays_of_wrong_shape(changed, sentence):
 def test_level_table_rejects_invalid_arrays(table, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         LevelTable(*map(np.array, table))
+
+
+SOURCE = """
+def start(numbers, order):
+    return (0,)
+
+
+def level(numbers, order, state):
+    return {level}
+
+
+def after(numbers, order, state, answers, levels):
+    return (state[0] + 1,), levels[-1]
+
+
+def ending(numbers, order, state, answers):
+    return 0
+
+
+def threshold(marks):
+    return marks[-1]
+"""
+
+
+@pytest.fixture
+def levels_of_source(tmp_path, monkeypatch):
+    """Return a function that runs a rule with a constant level."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    def levels(level):
+        file = tmp_path / "rule_of_a_test.py"
+        file.write_text(SOURCE.format(level=level))
+        os.utime(file, (level, level))  # files written within one second look unchanged
+        sys.modules.pop("rule_of_a_test", None)
+        importlib.invalidate_caches()
+        own = importlib.import_module("rule_of_a_test")
+
+        class Constant(SteppingRule):
+            transition = Transition(own.level, own.ending, own.start, own.after, own.threshold)
+            name = "of a test"
+            numbers = ()
+            begin = None
+
+        return tracks(Constant(), np.zeros((1, 2))).levels.tolist()
+
+    yield levels
+    sys.modules.pop("rule_of_a_test", None)
+
+
+def test_machine_code_is_shared_between_processes(monkeypatch):
+    rule, made = Staircase(20.0, (4.0,), 0.0, 40.0), []
+
+    def as_a_new_process_makes_it(transition):
+        made.append(loop_of.__wrapped__(transition))
+        return made[-1]
+
+    tracks(rule, np.zeros((1, 2)))
+    monkeypatch.setattr("tactometry.protocols.batch.loop.loop_of", as_a_new_process_makes_it)
+    tracks(rule, np.zeros((1, 2)))
+    assert sum(made[0].stats.cache_hits.values()) == 1
+
+
+def test_rule_is_recompiled_when_its_source_changes(levels_of_source):
+    assert levels_of_source(3.0) == [[3.0, 3.0]]
+    assert levels_of_source(5.0) == [[5.0, 5.0]]

@@ -92,26 +92,21 @@ def test_alternating_limits_recover_the_half_point():
     assert abs(np.mean(found) - 0.5) <= 3.89 * np.std(found) / np.sqrt(len(found)) + 0.05
 
 
+STEPS = "expected above 0, low below high, and at most 10000 steps between them"
+SERIES = "steps inwards, expected at least one series of at least two levels"
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"step": 0.0},
-         "MethodOfLimits.step: found 0 from low 0 to high 10, expected above 0, low below high, and at most 10000 "
-         "steps between them"),
-        ({"high": 0.0},
-         "MethodOfLimits.step: found 2 from low 0 to high 0, expected above 0, low below high, and at most 10000 "
-         "steps between them"),
-        ({"direction": "up"},
-         "MethodOfLimits.direction: found 'up', expected one of ascending, descending, alternating"),
-        ({"n_series": 0},
-         "MethodOfLimits.n_series: found 0 series over 5 steps with starts up to 0 steps inwards, expected at "
-         "least one series of at least two levels"),
-        ({"n_start_steps": 5},
-         "MethodOfLimits.n_series: found 4 series over 5 steps with starts up to 5 steps inwards, expected at "
-         "least one series of at least two levels"),
+        ({"step": 0.0}, f"step: found 0 from low 0 to high 10, {STEPS}"),
+        ({"high": 0.0}, f"step: found 2 from low 0 to high 0, {STEPS}"),
+        ({"direction": "up"}, "direction: found 'up', expected one of ascending, descending, alternating"),
+        ({"n_series": 0}, f"n_series: found 0 series over 5 steps with starts up to 0 {SERIES}"),
+        ({"n_start_steps": 5}, f"n_series: found 4 series over 5 steps with starts up to 5 {SERIES}"),
     ],
-)  # fmt: skip
+)
 def test_impossible_limits_are_refused(options, message):
     with pytest.raises(InvalidParameter) as refused:
         MethodOfLimits(**({"low": 0.0, "high": 10.0, "step": 2.0, "n_series": 4} | options))
-    assert str(refused.value) == message
+    assert str(refused.value) == f"MethodOfLimits.{message}"

@@ -1,7 +1,6 @@
 """QUEST+: published sequence, peer packages, edges and efficiency."""
 
 import math
-import warnings
 
 import numpy as np
 import pytest
@@ -15,69 +14,25 @@ from tactometry.protocols import QuestPlus
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import shape_named
 
-WIDTH_PER_SCALE = shape_named("gumbel").z_width
-HALF_FROM_63 = math.log(math.log(2))
-"""Watson's threshold is the 63 % point, ours the half: they differ by this many scale units."""
 LEVELS = tuple(float(x) for x in range(-40, 1))
 
 
-def watson_grid(slopes=(3.5,), lapses=(0.02,)):
-    """Watson's Weibull in decibels, 1 - l - (1 - g - l) exp(-10^(slope (x - t) / 20)), one slope at a time."""
-    (slope,) = slopes
-    scale = 20 / (slope * math.log(10))
-    thresholds = tuple(x + scale * HALF_FROM_63 for x in LEVELS)
-    return ParameterGrid(thresholds, (WIDTH_PER_SCALE * scale,), (0.5,), lapses)
-
-
 def test_the_published_sequence():
-    """Watson (2017), example 1, as in the tests of the package questplus."""
+    """Watson (2017), example 1, as in the tests of the package questplus.
+
+    His Weibull in decibels is 1 - l - (1 - g - l) exp(-10^(slope (x - t) / 20)).
+    """
     answers = "CCCC" + "II" + "C" * 8 + "I" + "CC" + "I" + "CC" + "I" + "C" * 11
     expected = [-18, -22, -25, -28, -30, -22, -13, -15, -16, -18, -19, -20, -21, -22, -23, -19, -20, -20, -18, -18]
     expected += [-19, -17, -17, -18, -18, -18, -19, -19, -19, -19, -19, -19]
-    levels, rule = follow(QuestPlus(LEVELS, watson_grid(), n_trials=100), [a == "C" for a in answers])
+    scale = 20 / (3.5 * math.log(10))
+    shift = scale * math.log(math.log(2))  # from his threshold, the 63 % point, to ours, the half
+    width = shape_named("gumbel").z_width * scale
+    grid = ParameterGrid(tuple(x + shift for x in LEVELS), (width,), (0.5,), (0.02,))
+    levels, rule = follow(QuestPlus(LEVELS, grid, n_trials=100), [a == "C" for a in answers])
     assert levels == expected
-    shift = 20 / (3.5 * math.log(10)) * HALF_FROM_63
-    assert rule.rule.grid.thresholds[int(rule.posterior.sum(axis=1).argmax())] - shift == pytest.approx(-20)
+    assert grid.thresholds[int(rule.posterior.sum(axis=1).argmax())] - shift == pytest.approx(-20)
     assert rule.threshold - shift == pytest.approx(-20.3936, abs=1e-4)
-
-
-def questplus(slopes, lapses):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import questplus as peer
-    return peer.QuestPlus(
-        stim_domain={"intensity": np.array(LEVELS)},
-        param_domain={
-            "threshold": np.array(LEVELS),
-            "slope": np.array(slopes),
-            "lower_asymptote": np.array([0.5]),
-            "lapse_rate": np.array(lapses),
-        },
-        outcome_domain={"response": ["Yes", "No"]},
-        func="weibull",
-        stim_scale="dB",
-        stim_selection_method="min_entropy",
-        param_estimation_method="mean",
-    )
-
-
-@pytest.mark.parametrize("lapses", [(0.02,), (0.0, 0.02, 0.04)], ids=["one parameter", "two parameters"])
-def test_choices_equal_those_of_the_package(lapses):
-    rng = np.random.default_rng()
-    for _ in range(3):
-        peer, ours = questplus((3.5,), lapses), QuestPlus(LEVELS, watson_grid(lapses=lapses), n_trials=1000).begin()
-        for _ in range(20):
-            theirs = float(np.asarray(peer.next_stim["intensity"]))
-            entropies = ours.expected_loss()
-            assert ours.level == theirs or tied(entropies, LEVELS.index(theirs))
-            answer = bool(rng.random() < 0.5 + 0.48 * norm.cdf((theirs + 20) / 4))
-            peer.update(stim={"intensity": theirs}, outcome={"response": "Yes" if answer else "No"})
-            ours = ours.after(answer, delivered=theirs)
-
-
-def tied(entropies, other):
-    """Return True if another choice is equally good within rounding."""
-    return entropies[other] - entropies.min() < 1e-12
 
 
 def small(aim="parameters", **options):
@@ -91,9 +46,9 @@ def small(aim="parameters", **options):
 def test_expected_entropy_equals_mean_entropy_of_posteriors(aim, answers):
     _, rule = follow(small(aim, n_trials=100), answers)
     n = len(rule.rule.levels) // 2
-    chance = rule.after(1, delivered=rule.rule.levels[n]), rule.after(0, delivered=rule.rule.levels[n])
-    yes = float(np.exp(rule.rule.grid.log_likelihood(rule.rule.levels[n], 1)) @ rule.posterior.ravel())
-    expected = yes * entropy(chance[0], aim) + (1 - yes) * entropy(chance[1], aim)
+    level = rule.rule.levels[n]
+    yes = float(np.exp(rule.rule.grid.log_likelihood(level, 1)) @ rule.posterior.ravel())
+    expected = yes * entropy(rule.after(1, level), aim) + (1 - yes) * entropy(rule.after(0, level), aim)
     found = rule.expected_loss()[n]
     hard_case("expected entropy of any answers (nat)", found, expected, 1e-12, against="the posteriors", floor=1)
 
@@ -118,10 +73,8 @@ def test_a_delivered_level_off_the_grid_counts():
 
 @pytest.mark.parametrize(("answer", "ended"), [(1, "censored_below"), (0, "censored_above")])
 def test_a_hundred_equal_answers_end_as_censored(answer, ended):
-    rule = small(n_trials=100)
-    _, rule = follow(rule, [answer] * 100)
-    assert rule.ending == ended
-    assert rule.threshold is None
+    _, rule = follow(small(n_trials=100), [answer] * 100)
+    assert (rule.ending, rule.threshold) == (ended, None)
     assert np.isfinite(rule.posterior).all()
     exact_case("100 equal answers to QUEST+", against="censored, no number")
 
@@ -145,10 +98,7 @@ def test_run_converges_at_requested_standard_deviation():
     ("build", "message"),
     [
         (lambda: ParameterGrid((), (1.0,)), "ParameterGrid.thresholds: found none"),
-        (
-            lambda: ParameterGrid((1.0,), (0.0,)),
-            r"ParameterGrid.widths\[0\]: found 0.0, expected a finite number between",
-        ),
+        (lambda: ParameterGrid((1.0,), (0.0,)), r"ParameterGrid.widths\[0\]: found 0.0, expected a finite number bet"),
         (lambda: ParameterGrid((1.0, 1.0), (1.0,)), r"ParameterGrid.thresholds\[1\]: found 1 twice"),
         (lambda: ParameterGrid((1.0,), (1.0,), (0.6,), (0.5,)), "found guess and lapse rates that add up to 1.1"),
         (lambda: ParameterGrid((1.0,), (1.0,), shape="norml"), "norml"),

@@ -125,11 +125,11 @@ def test_equal_pair_is_catch_trial_without_level():
 
 def test_magnitude_rises_with_level():
     memory = lived("magnitude", observer="keen")
-    means = {
-        level: np.mean([trial.response for trial in memory.trials if trial.level == level and trial.valid])
+    weak, strong = (
+        np.mean([trial.response for trial in memory.trials if trial.level == level and trial.valid])
         for level in (10.0, 30.0)
-    }
-    assert means[10.0] < means[30.0]
+    )
+    assert weak < strong
     assert {request for request, _ in memory.entries if isinstance(request, Enter)} == {Enter("how_strong", 0.0)}
 
 
@@ -144,30 +144,24 @@ PLACES = tuple(Alternative(f"focus {n}", str(n), {"x": float(n)}) for n in (1, 2
 
 @given(seed=st.integers(0, 2**32 - 1))
 def test_localisation_row_contains_factors_of_drawn_place(seed):
-    rng = np.random.default_rng(seed)
-    outcome = answered(
-        Localisation(), shown(20.0, alternatives=PLACES), rng, choosing(lambda request: request.options[0])
-    )
+    first = choosing(lambda request: request.options[0])
+    outcome = answered(Localisation(), shown(20.0, alternatives=PLACES), np.random.default_rng(seed), first)
     assert outcome.factors == {"x": float(outcome.target)}
     assert outcome.success == (outcome.target == 1)
 
 
 def test_strong_focus_is_located_and_weak_guessed():
     condition = Condition({}, "tone", "dB re 1 V", catalogue.TOUCHES["press"], alternatives=PLACES)
-    n = 300
 
-    def share(level):
-        block = Block((Track(condition, ConstantStimuli((level,), n)),), Localisation())
-        memory = Memory()
+    def correct(level):
+        block, memory = Block((Track(condition, ConstantStimuli((level,), 300)),), Localisation()), Memory()
         run(run_block(block, 1, 1, np.random.default_rng()), catalogue.simulated(observer="keen"), memory)
-        valid = [trial.correct for trial in memory.trials if trial.valid]
-        return np.mean(valid), len(valid)
+        return [trial.correct for trial in memory.trials if trial.valid]
 
-    strong, n_strong = share(40.0)
-    weak, n_weak = share(-60.0)
-    assert strong == 1.0
-    assert abs(weak - 1 / 3) <= AT_1E_4 * math.sqrt(2 / 9 / n_weak)
-    assert n_strong >= n
+    strong, weak = correct(40.0), correct(-60.0)
+    assert all(strong)
+    assert abs(np.mean(weak) - 1 / 3) <= AT_1E_4 * math.sqrt(2 / 9 / len(weak))
+    assert len(strong) >= 300
 
 
 def test_preference_row_names_items_in_presented_order():
@@ -258,23 +252,13 @@ def test_scores_of_constant_raw_answers_follow_item_reversals():
     except StopIteration as stop:
         replies = stop.value
     scores = FULL.scores({reply.item: reply.response for reply in replies})
-    assert {name: round(7 * score, 9) for name, score in scores.items()} == {
-        "PQ": -3,
-        "HQI": 3,
-        "HQS": -3,
-        "ATT": -3,
-        "HQ": 0,
-    }
+    rounded = {name: round(7 * score, 9) for name, score in scores.items()}
+    assert rounded == {"PQ": -3, "HQI": 3, "HQS": -3, "ATT": -3, "HQ": 0}
 
 
 def test_simulated_participant_answers_every_question():
-    asked = {
-        request.question
-        for task in catalogue.TASKS
-        for request, _ in lived(task).entries
-        if isinstance(request, Choose)
-    }
-    assert asked == set(DECISIONS)
+    requests = [request for task in catalogue.TASKS for request, _ in lived(task).entries]
+    assert {request.question for request in requests if isinstance(request, Choose)} == set(DECISIONS)
 
 
 @pytest.mark.parametrize("language", languages())
