@@ -6,6 +6,7 @@ from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 
+import analysis_data
 import numpy as np
 import pandas as pd
 import pytest
@@ -18,7 +19,7 @@ from tactometry.analysis.figures.style import COLOURS, look, shift
 from tactometry.analysis.figures.touches import courses_figure
 from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import analyse, analyse_trials
-from tactometry.analysis.plan import read_plan
+from tactometry.analysis.plan import AnalysisPlan, read_plan
 from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import means_text
@@ -344,3 +345,34 @@ def test_paths_may_be_text(tmp_path) -> None:
 def test_missing_path_is_named(read) -> None:
     with pytest.raises(InvalidFile, match=r"^nowhere\.toml: "):
         read("nowhere.toml")
+
+
+@pytest.fixture(scope="module")
+def shown_study(tmp_path_factory) -> Analysis:
+    truth = {(participant, (60.0,)): 20.0 for participant in ("P01", "P02")}
+    path = tmp_path_factory.mktemp("study") / "trials.csv"
+    analysis_data.write_study(path, truth, ("frequency_hz",), rng=np.random.default_rng(1))
+    return analyse(path, plan=AnalysisPlan(hierarchical=False))
+
+
+def test_analysis_repr_is_one_line_with_tables(shown_study: Analysis) -> None:
+    text = repr(shown_study)
+    assert re.match(rf"Analysis\({len(shown_study.trials.rows)} trials of 2 participants, \d+ warnings?; ", text)
+    assert all(name in text for name in shown_study.tables)
+    assert "\n" not in text
+
+
+def test_notebook_view_lists_all_tables_estimates_first(shown_study: Analysis) -> None:
+    shown = re.findall(r"<summary>(\w+) \((\d+) rows?\)</summary>", shown_study._repr_html_())
+    assert {name: int(n) for name, n in shown} == {name: len(table) for name, table in shown_study.tables.items()}
+    assert shown[0][0] == "thresholds"
+    assert shown[-1][0] == "quality"
+
+
+def test_a_notebook_has_the_warnings_as_text(shown_study: Analysis) -> None:
+    shown = replace(shown_study, warnings=("one < two", "three"))._repr_html_()
+    assert "<li>one &lt; two</li><li>three</li>" in shown
+
+
+def test_trials_repr_is_one_line() -> None:
+    assert repr(read_trials(RECORDED / "yes-no")) == "Trials(41 rows of 2 participants; frequency_hz)"

@@ -72,7 +72,7 @@ def test_rests_follow_elapsed_time_since_last_rest():
 
 
 def test_lost_trials_do_not_count_towards_rests():
-    _, memory = blocks_of(rest_after=10, rig=Losing({1, 12}))
+    _, memory = blocks_of(rest_after=10, rig=Faulty({1, 12}))
     assert [trial.valid for trial in memory.trials].count(False) == 2
     assert len(pages(memory)) == 3
 
@@ -96,18 +96,24 @@ def test_feedback_says_whether_the_answer_was_right():
 TWICE = ConstantStimuli(levels=(10.0,), repeats=2)
 
 
-class Losing:
-    """A rig that loses the touches of these numbers (from 1)."""
+class Faulty:
+    """A rig that loses touches and answers of these numbers (from 1), shifts levels, or gives these answers."""
 
-    def __init__(self, lost):
-        self._rig, self._lost, self._n = catalogue.simulated(), lost, 0
+    def __init__(self, lost=(), *, lost_answers=(), shift_db=0.0, options=None):
+        self._rig, self._counts, self._shift_db = catalogue.simulated(7), Counter(), shift_db
+        self._lost, self._options = {"touch": lost, "answer": lost_answers}, options and iter(options)
 
     def answer(self, request):
         answer = self._rig.answer(request)
-        if not isinstance(request, Press):
+        if not isinstance(request, Press | Slide | Choose):
             return answer
-        self._n += 1
-        return replace(answer, valid=self._n not in self._lost)
+        kind = "answer" if isinstance(request, Choose) else "touch"
+        self._counts[kind] += 1
+        answer = replace(answer, valid=self._counts[kind] not in self._lost[kind])
+        if kind == "answer":
+            return replace(answer, option=next(self._options)) if self._options else answer
+        delivered = answer.level_delivered
+        return replace(answer, level_delivered=None if delivered is None else delivered + self._shift_db)
 
     def __getattr__(self, name):
         return getattr(self._rig, name)
@@ -117,7 +123,7 @@ class Losing:
 @examples(30, deadline=None)
 def test_lost_trials_are_repeated_unless_track_aborts(lost):
     block = two_tracks(catch_rate=0.25)
-    (tracks, next_trial), memory = lived(run_block(block, 1, 1, np.random.default_rng(2)), Losing(lost))
+    (tracks, next_trial), memory = lived(run_block(block, 1, 1, np.random.default_rng(2)), Faulty(lost))
     assert next_trial == 1 + max(trial.trial for trial in memory.trials)
     attempts = Counter((trial.trial, trial.attempt) for trial in memory.trials)
     assert set(attempts.values()) == {1}
@@ -129,22 +135,10 @@ def test_lost_trials_are_repeated_unless_track_aborts(lost):
             assert {t.trial for t in own} == {t.trial for t in valid}
 
 
-class Saying(Losing):
-    """A rig whose participant gives these answers to yes or no."""
-
-    def __init__(self, lost, options):
-        super().__init__(lost)
-        self._options = iter(options)
-
-    def answer(self, request):
-        answer = super().answer(request)
-        return replace(answer, option=next(self._options)) if isinstance(request, Choose) else answer
-
-
 def test_repeated_trial_counts_for_the_ending():
     track = replace(catalogue.block("yes_no", "constant_stimuli", "press").tracks[0], procedure=TWICE)
     course = run_block(Block((track,), YesNo()), 1, 1, np.random.default_rng(2))
-    ((track,), _), _ = lived(course, Saying({2}, [1, 0]))
+    ((track,), _), _ = lived(course, Faulty({2}, options=[1, 0]))
     assert (track.procedure.ending, track.ending) == ("trials", "trials")
 
 
@@ -245,40 +239,22 @@ def test_touch_is_invalid_when_force_leaves_band():
     assert not rig(finger=SimulatedFinger(waver_cv=0.9)).answer(SLIDE).valid
 
 
-class Clipping:
-    """A rig that delivers 3 dB less and loses the first `n_lost` touches."""
-
-    def __init__(self, n_lost=0):
-        self._rig, self.n_lost = rig(), n_lost
-
-    def answer(self, request):
-        touched = self._rig.answer(request)
-        if not isinstance(request, Slide):
-            return touched
-        self.n_lost -= 1
-        level = None if touched.level_delivered is None else touched.level_delivered - 3.0
-        return replace(touched, level_delivered=level, valid=self.n_lost < 0)
-
-    def __getattr__(self, name):
-        return getattr(self._rig, name)
-
-
 def test_procedure_learns_delivered_level():
-    ((track,), _), memory = lived(a_block(procedure="staircase_1_up_1_down"), Clipping())
+    ((track,), _), memory = lived(a_block(procedure="staircase_1_up_1_down"), Faulty(shift_db=-3.0))
     trials = [trial for trial in memory.trials if not trial.catch]
     assert list(track.procedure.delivered) == [trial.level_delivered for trial in trials]
     assert all(trial.level_delivered == trial.level - 3.0 for trial in trials)
 
 
 def test_staircase_repeats_invalid_touch_at_once():
-    _, memory = lived(a_block(procedure="staircase_1_up_1_down"), Clipping(n_lost=2))
+    _, memory = lived(a_block(procedure="staircase_1_up_1_down"), Faulty({1, 2}))
     first = [(trial.trial, trial.attempt, trial.valid, trial.response is None) for trial in memory.trials[:3]]
     assert first == [(1, 1, False, True), (1, 2, False, True), (1, 3, True, False)]
     assert len({trial.level for trial in memory.trials[:3]}) == 1
 
 
 def test_constant_stimuli_repeat_invalid_touches_at_end():
-    _, memory = lived(a_block(), Clipping(n_lost=2))
+    _, memory = lived(a_block(), Faulty({1, 2}))
     lost, again = memory.trials[:2], memory.trials[-2:]
     assert [(trial.trial, trial.attempt, trial.valid) for trial in lost] == [(1, 1, False), (2, 1, False)]
     assert [(trial.trial, trial.attempt, trial.valid) for trial in again] == [(1, 2, True), (2, 2, True)]
@@ -286,7 +262,7 @@ def test_constant_stimuli_repeat_invalid_touches_at_end():
 
 
 def test_block_is_aborted_when_no_touch_is_valid():
-    ((track,), _), memory = lived(a_block(), Clipping(n_lost=10**6))
+    ((track,), _), memory = lived(a_block(), Faulty(range(1, 10**6)))
     assert track.ending == "aborted"
     assert [trial.trial for trial in memory.trials] == [1, 2, 3, 4, 5]
 
@@ -315,28 +291,13 @@ def test_forced_choice_row_uses_target_and_first_onset():
 
 
 def test_invalid_interval_ends_trial_without_question():
-    _, memory = lived(a_block("forced_choice"), Clipping(n_lost=1))
+    _, memory = lived(a_block("forced_choice"), Faulty({1}))
     assert [type(request).__name__ for request, _ in memory.entries[:4]] == ["Slide", "Record", "Slide", "Slide"]
-
-
-class Refusing(Clipping):
-    """A rig whose first answer the experimenter declares invalid."""
-
-    def __init__(self):
-        super().__init__()
-        self.n_answers = 0
-
-    def answer(self, request):
-        answer = super().answer(request)
-        if not isinstance(request, Choose):
-            return answer
-        self.n_answers += 1
-        return replace(answer, valid=self.n_answers > 1)
 
 
 @pytest.mark.parametrize("task", ["yes_no", "forced_choice"])
 def test_invalid_answer_is_not_scored_and_repeated(task):
-    _, memory = lived(a_block(task), Refusing())
+    _, memory = lived(a_block(task), Faulty(lost_answers={1}))
     first, second = memory.trials[0], memory.trials[-1]
     assert (first.valid, first.correct, first.attempt) == (False, None, 1)
     assert (second.valid, second.attempt, second.trial, second.level) == (True, 2, first.trial, first.level)
