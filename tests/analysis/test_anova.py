@@ -276,18 +276,6 @@ def test_refuses_groups_that_cannot_be_compared(sizes, status, message) -> None:
     assert refusal.value.status is status
 
 
-def test_refuses_a_participant_in_two_groups() -> None:
-    table = study((3, 3), 3, np.random.default_rng())
-    table.loc[1, "hand"] = "right"
-    with pytest.raises(InvalidParameter, match="found 2 groups of the participant 0, expected one group; declare it"):
-        mixed(table)
-
-
-def test_a_missing_cell_is_refused_by_name() -> None:
-    with pytest.raises(UndefinedStatistic, match=r"subject = 1, freq = 1 \(1 missing cell: 1\)"):
-        mixed(study((3, 3), 3, np.random.default_rng()).drop(index=4))
-
-
 def test_group_pairs_equal_scipy_welch_tests() -> None:
     from scipy.stats import ttest_ind
     from statsmodels.stats.multitest import multipletests

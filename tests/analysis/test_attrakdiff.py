@@ -108,17 +108,12 @@ def test_the_short_form_is_read_by_its_name() -> None:
         (lambda t: t.assign(response=8), f"response, row 0: found 8 for {ITEMS[0]}, expected 1 to 7 or nothing"),
         (lambda t: t.assign(response="good"), f"response, row 0: found 'good' for {ITEMS[0]}, expected 1 to 7"),
         (lambda t: t.assign(response=3.5, row=99), f"response, row 99: found 3.5 for {ITEMS[0]}, expected 1 to 7"),
+        (lambda t: pd.concat(t.assign(procedure=x) for x in ("attrakdiff", "sus")), "procedure: found attrakdiff, sus"),
     ],
 )
 def test_scores_reject_invalid_answers(change, message) -> None:
     with pytest.raises(InvalidParameter, match=re.escape(message)):
         scores(change(one_person(4)))
-
-
-def test_refuses_two_questionnaires_together() -> None:
-    table = pd.concat([one_person(4).assign(procedure=name) for name in ("attrakdiff", "sus")])
-    with pytest.raises(InvalidParameter, match="procedure: found attrakdiff, sus, expected one questionnaire"):
-        scores(table)
 
 
 def test_intervals_are_those_of_participants_not_of_answers(answers, scored) -> None:

@@ -247,24 +247,13 @@ def test_a_weibull_is_a_gumbel_of_the_logarithm(study) -> None:
         ({"interval": 95}, "fit_hierarchical.interval: found 95, expected a number above 0 and below 1"),
         ({"guess_rate": 1.0}, "fit_hierarchical.guess_rate: found 1.0, expected a number from 0 to below 1"),
         ({"shape": "norml"}, "shape: found 'norml'"),
+        ({"rows": {"k": 21}}, "n_correct, row 0: found 21"),
     ],
 )
-def test_unknown_options_are_rejected(study, change, message) -> None:
+def test_invalid_arguments_are_rejected(study, change, message) -> None:
+    options = {"rows": {}} | change
     with pytest.raises(InvalidParameter, match=f"^{message}"):
-        fitted(study[0], **change)
-
-
-def test_names_the_row_of_an_impossible_count(study) -> None:
-    rows = study[0].copy()
-    rows.loc[3, "k"] = 21
-    with pytest.raises(InvalidParameter, match="^n_correct, row 3: found 21"):
-        fitted(rows)
-
-
-def test_same_answers_give_the_same_bytes(study) -> None:
-    one, other = fitted(study[0]), fitted(study[0])
-    assert one.participants.to_csv() == other.participants.to_csv()
-    assert one.covariance.tobytes() == other.covariance.tobytes()
+        fitted(study[0].assign(**options.pop("rows")), **options)
 
 
 def test_points_of_the_integral_hardly_move_intervals(study) -> None:
@@ -326,12 +315,6 @@ def test_uneven_deviations_cost_degrees_of_freedom() -> None:
     assert other.p == pytest.approx(float(fisher.sf(other.f, 2 * expected, 10 * expected)), rel=1e-9)
 
 
-def test_shared_widths_have_no_test(study) -> None:
-    message = "of: found 'log_width' over force_n, expected conditions with separate widths"
-    with pytest.raises(InvalidParameter, match=message):
-        fitted(study[0]).effect("force_n", of="log_width")
-
-
 @pytest.mark.soak
 def test_false_positive_rate_is_nominal_with_noisy_condition() -> None:
     rng, n_studies = np.random.default_rng(), 400
@@ -351,10 +334,14 @@ def noisy(rng) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["participant", "force_n", "level", "k", "n"])
 
 
+WIDTHS = "of: found 'log_width' over force_n, expected conditions with separate widths"
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
         (lambda found: found.effect("frequency_hz"), "factors: found frequency_hz over 2 conditions"),
+        (lambda found: found.effect("force_n", of="log_width"), WIDTHS),
         (lambda found: found.contrast({(3.0,): 1.0}), r"weights: found \(3.0,\), expected conditions, such as \(0.5,"),
         (lambda found: found.contrast({(0.5,): 1.0}, of="width"), "of: found 'width', expected 'threshold'"),
     ],

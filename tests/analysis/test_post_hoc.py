@@ -92,12 +92,6 @@ def test_hard_scales_have_the_same_pairs(published, found, scale) -> None:
     assert tests[0]["high"].to_numpy() == pytest.approx(tests[1]["high"].to_numpy() * scale, rel=1e-9)
 
 
-def test_refuses_a_correction_it_does_not_know(published) -> None:
-    message = re.escape("correction: found 'holms', expected one of holm, bonferroni")
-    with pytest.raises(InvalidParameter, match=message):
-        pairs(published, dependent="y", factor="freq", subject="subject", correction="holms")
-
-
 @pytest.mark.parametrize(
     ("t", "sizes", "bf10"),
     [
@@ -172,19 +166,24 @@ def test_equivalence_error_rate_at_bound_is_alpha() -> None:
     assert claims / n_studies <= 0.05 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
 
 
-@pytest.mark.parametrize("bound", [0.0, -1.0, np.nan, np.inf])
-def test_equivalence_rejects_invalid_bound(published, bound) -> None:
-    with pytest.raises(InvalidParameter, match="bound: found .*, expected a difference above 0, in the unit of y"):
-        equivalence(published, dependent="y", factor="force", subject="subject", bound=bound)
-
-
-def test_equivalence_rejects_alpha_of_one_half(published) -> None:
-    with pytest.raises(InvalidParameter, match="alpha: found 0.5, expected a number above 0 and below 0.5"):
-        equivalence(published, dependent="y", factor="force", subject="subject", bound=1.0, alpha=0.5)
-
-
 def test_identical_differences_are_compared_with_bound() -> None:
     values = np.arange(5.0)[:, None] + np.array([0.0, 2.0])
     given = {"dependent": "y", "factor": "force", "subject": "subject"}
     claims = [equivalence(any_table(values), **given, bound=bound)["equivalent"][0] for bound in (1.0, 3.0)]
     assert claims == [False, True]
+
+
+BAD = (0.0, -1.0, np.nan, np.inf)
+
+
+@pytest.mark.parametrize(
+    ("compare", "options", "message"),
+    [
+        (pairs, {"correction": "holms"}, "correction: found 'holms', expected one of holm, bonferroni"),
+        (equivalence, {"bound": 1.0, "alpha": 0.5}, "alpha: found 0.5, expected a number above 0 and below 0.5"),
+        *((equivalence, {"bound": x}, f"bound: found {x}, expected a difference above 0, in the unit") for x in BAD),
+    ],
+)
+def test_invalid_options_of_comparisons_are_refused(published, compare, options, message) -> None:
+    with pytest.raises(InvalidParameter, match=re.escape(message)):
+        compare(published, dependent="y", factor="force", subject="subject", **options)

@@ -168,17 +168,6 @@ def test_nested_seeds_never_repeat():
     assert len(set(drawn.values())) == 3 * len(places)
 
 
-@pytest.mark.parametrize("number", [-1, 2**32, 0.5])
-def test_stream_rejects_invalid_place(number):
-    with pytest.raises(InvalidParameter, match=r"stream.*expected a whole number"):
-        stream(1, 0, number)
-
-
-def test_tracks_reject_one_criterion_for_three_outcomes():
-    with pytest.raises(InvalidParameter, match=r"tracks.criteria: found .* expected \(n_sets, n_trials, 2\)"):
-        tracks(WEIGHING["wrong, unsure, right"], np.zeros((1, 2)))
-
-
 def test_outcome_frequencies_follow_their_criteria():
     """Draw outcome 2 below the first chance, 1 below the sum, else 0."""
     uniform, levels = np.random.default_rng().random((1000, 100)), (0.0, 40.0)
@@ -189,31 +178,36 @@ def test_outcome_frequencies_follow_their_criteria():
         assert binomtest(int(counts[n]), 100_000, chance).pvalue > 1e-4
 
 
-@pytest.mark.parametrize(
-    ("changed", "sentence"),
-    [
-        ({"criteria": np.zeros(3)}, r"tracks.criteria: found the shape \(3,\), expected \(n_sets, n_trials\)"),
-        ({"orders": np.zeros((2, 4))}, "tracks.orders: found 2 rows, expected 1 or 3"),
-        ({"table": LevelTable(LEVELS, np.zeros((2, 8)))}, "tracks.table: found 2 rows, expected 1 or 3"),
-    ],
-)
-def test_tracks_reject_arrays_of_wrong_shape(changed, sentence):
-    given_ = {"criteria": np.zeros((3, 4)), **changed}
-    with pytest.raises(InvalidParameter, match=sentence):
-        tracks(STEPPING["three levels"], **given_)
+def tracks_of(**given_):
+    return tracks(STEPPING["three levels"], **{"criteria": np.zeros((3, 4))} | given_)
+
+
+def table_of(levels, felt):
+    return LevelTable(np.array(levels), np.array(felt))
+
+
+ONE_OF_TWO = r"tracks.criteria: found .* expected \(n_sets, n_trials, 2\)"
 
 
 @pytest.mark.parametrize(
-    ("table", "sentence"),
+    ("call", "message"),
     [
-        (([0.0, 0.0], [1.0, 2.0]), "LevelTable.levels: found .* not in ascending order"),
-        (([0.0, 1.0], [1.0, math.nan]), "LevelTable.felt"),
-        (([0.0, 1.0], [1.0, 2.0, 3.0]), r"LevelTable.felt: found the shape \(3,\)"),
+        (lambda: tracks(WEIGHING["wrong, unsure, right"], np.zeros((1, 2))), ONE_OF_TWO),
+        (
+            lambda: tracks_of(criteria=np.zeros(3)),
+            r"tracks.criteria: found the shape \(3,\), expected \(n_sets, n_trials\)",
+        ),
+        (lambda: tracks_of(orders=np.zeros((2, 4))), "tracks.orders: found 2 rows, expected 1 or 3"),
+        (lambda: tracks_of(table=table_of(LEVELS, np.zeros((2, 8)))), "tracks.table: found 2 rows, expected 1 or 3"),
+        (lambda: table_of([0.0, 0.0], [1.0, 2.0]), "LevelTable.levels: found .* not in ascending order"),
+        (lambda: table_of([0.0, 1.0], [1.0, math.nan]), "LevelTable.felt"),
+        (lambda: table_of([0.0, 1.0], [1.0, 2.0, 3.0]), r"LevelTable.felt: found the shape \(3,\)"),
+        *((lambda place=place: stream(1, 0, place), r"stream.*expected a whole number") for place in (-1, 2**32, 0.5)),
     ],
 )
-def test_level_table_rejects_invalid_arrays(table, sentence):
-    with pytest.raises(InvalidParameter, match=sentence):
-        LevelTable(*map(np.array, table))
+def test_invalid_arguments_are_rejected(call, message):
+    with pytest.raises(InvalidParameter, match=message):
+        call()
 
 
 SOURCE = """

@@ -71,10 +71,6 @@ def test_posterior_is_independent_of_answer_order(answers):
     hard_case("answers in another order", forth.posterior, back.posterior, 1e-12, against="this order", floor=1)
 
 
-def test_a_delivered_level_off_the_grid_counts():
-    assert not np.array_equal(small().after(1, delivered=20.123).posterior, small().after(1, delivered=20.0).posterior)
-
-
 @pytest.mark.parametrize(("answer", "ended"), [(1, "censored_below"), (0, "censored_above")])
 def test_a_hundred_equal_answers_end_as_censored(answer, ended):
     _, rule = follow(small(n_trials=100), [answer] * 100)
@@ -89,86 +85,43 @@ def test_both_thresholds_are_edges_on_two_point_grid(answer, ended):
     assert follow(rule, [answer] * 2)[1].ending == ended
 
 
-def test_run_converges_at_requested_standard_deviation():
-    rng = np.random.default_rng()
-    rule = small("threshold", n_trials=2000, sd_stop=1.5)
-    while not rule.finished:
-        rule = rule.after(bool(rng.random() < 0.5 + 0.5 * norm.cdf((rule.level - 20) / 3)))
-    assert rule.ending == "converged"
-    assert rule.threshold_sd <= 1.5
+def quest(**options):
+    return Quest(**{"start": 20.0, "start_sd": 10.0, "low": 0.0, "high": 40.0, "step": 0.5} | options)
 
 
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: ParameterGrid((), (1.0,)), "ParameterGrid.thresholds: found none"),
-        (lambda: ParameterGrid((1.0,), (0.0,)), r"ParameterGrid.widths\[0\]: found 0.0, expected a finite number bet"),
-        (lambda: ParameterGrid((1.0, 1.0), (1.0,)), r"ParameterGrid.thresholds\[1\]: found 1 twice"),
-        (lambda: ParameterGrid((1.0,), (1.0,), (0.6,), (0.5,)), "found guess and lapse rates that add up to 1.1"),
-        (lambda: ParameterGrid((1.0,), (1.0,), shape="norml"), "norml"),
-        (lambda: QuestPlus((1.0,), ParameterGrid((1.0,), (1.0,))), "QuestPlus.levels: found 1 levels"),
-        (lambda: QuestPlus((1.0, 1.0), ParameterGrid((1.0,), (1.0,))), "QuestPlus.levels: found 2 levels, 1 of them"),
-        (lambda: small().after(1, delivered=math.nan), "found the delivered level nan"),
-        (lambda: small(n_trials=0), "QuestPlus.n_trials: found 0, expected a whole number"),
-        (lambda: small(criterion="entropie"), "QuestPlus.criterion: found 'entropie', .*did you mean 'entropy'"),
-    ],
-)
-def test_an_impossible_grid_is_refused(build, message):
-    with pytest.raises(InvalidParameter, match=message):
-        build()
-
-
-OPTIONS = {"start": 20.0, "start_sd": 10.0, "low": 0.0, "high": 40.0, "step": 0.5}
-
-
-def test_delivered_level_off_grid_is_not_rounded():
-    rule = Quest(**OPTIONS)
+@pytest.mark.parametrize("rule", [small(), quest()], ids=["QUEST+", "QUEST"])
+def test_delivered_level_off_grid_is_not_rounded(rule):
     assert not np.array_equal(rule.after(1, delivered=20.1).posterior, rule.after(1, delivered=20.0).posterior)
 
 
 def test_probability_at_threshold_equals_target():
-    rule = Quest(**OPTIONS, target=0.7)
+    rule = quest(target=0.7)
     n = int(np.flatnonzero(rule.thresholds == 20.0)[0])
     assert math.exp(rule.grid.log_likelihood(20.0, 1)[n]) == pytest.approx(0.7)
 
 
-def test_quest_converges_at_requested_standard_deviation():
-    rng, rule = np.random.default_rng(), Quest(**OPTIONS, n_trials=500, sd_stop=1.0)
+@pytest.mark.parametrize("rule", [small("threshold", n_trials=2000, sd_stop=1.5), quest(n_trials=500, sd_stop=1.0)])
+def test_run_converges_at_requested_standard_deviation(rule):
+    rng, sd_stop = np.random.default_rng(), rule.sd_stop
     while not rule.finished:
-        rule = rule.after(bool(rng.random() < 0.5 + 0.49 / (1 + math.exp(15 - rule.level))))
-    assert (rule.ending, rule.threshold_sd <= 1.0) == ("converged", True)
+        rule = rule.after(bool(rng.random() < 0.5 + 0.49 / (1 + math.exp(17 - rule.level))))
+    assert rule.ending == "converged"
+    assert rule.threshold_sd <= sd_stop
 
 
 def test_answers_that_no_threshold_allows_end_as_aborted():
-    rule = Quest(**OPTIONS, blind_share=0.0).after(0, delivered=1e6)
+    rule = quest(blind_share=0.0).after(0, delivered=1e6)
     assert (rule.ending, rule.threshold) == ("aborted", None)
     assert np.isfinite(rule.posterior).all()
 
 
 def test_ten_thousand_answers_stay_finite():
-    rule = Quest(**OPTIONS, n_trials=10**6)
+    rule = quest(n_trials=10**6)
     for n in range(10_000):
         rule = rule.after(n % 2, delivered=40.0 * (1 - n % 2))
     assert np.isfinite(rule.posterior).all()
     assert 0 <= rule.level <= 40
     exact_case("10 000 answers to QUEST", against="all finite")
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"start": 50.0}, "Quest.start: found 50, low 0, high 40 and step 0.5, expected a start between low and high"),
-        ({"start_sd": 0.0}, "Quest.start_sd: found 0.0, expected a finite number above 0"),
-        ({"step": 50.0}, "Quest.start: found 20, low 0, high 40 and step 50, expected a start between low and high"),
-        ({"sd_stop": 0.0}, "Quest.sd_stop: found 0.0, expected a finite number above 0"),
-        ({"placing": "median"}, "Quest.placing: found 'median', expected one of quantile, mean, mode"),
-        ({"guess_rate": 1.0}, "Quest.guess_rate: found 1.0, expected a number from 0 to below 1"),
-        *(({"target": p}, f"Quest.target: found {p}, expected a probability between the as") for p in (0.4, 0.997)),
-    ],
-)
-def test_impossible_numbers_are_refused(options, message):
-    with pytest.raises(InvalidParameter, match=message):
-        Quest(**(OPTIONS | options))
 
 
 SHARED_GRID = ParameterGrid((0.0, 10.0, 20.0, 30.0), (4.0, 12.0), (0.5,), (0.0, 0.05))
@@ -280,12 +233,29 @@ def run(procedures, truths, rng):
 @pytest.mark.parametrize(
     ("build", "message"),
     [
+        (lambda: ParameterGrid((), (1.0,)), "ParameterGrid.thresholds: found none"),
+        (lambda: ParameterGrid((1.0,), (0.0,)), r"ParameterGrid.widths\[0\]: found 0.0, expected a finite number bet"),
+        (lambda: ParameterGrid((1.0, 1.0), (1.0,)), r"ParameterGrid.thresholds\[1\]: found 1 twice"),
+        (lambda: ParameterGrid((1.0,), (1.0,), (0.6,), (0.5,)), "found guess and lapse rates that add up to 1.1"),
+        (lambda: ParameterGrid((1.0,), (1.0,), shape="norml"), "norml"),
+        (lambda: QuestPlus((1.0,), ParameterGrid((1.0,), (1.0,))), "QuestPlus.levels: found 1 levels"),
+        (lambda: QuestPlus((1.0, 1.0), ParameterGrid((1.0,), (1.0,))), "QuestPlus.levels: found 2 levels, 1 of them"),
+        (lambda: small().after(1, delivered=math.nan), "found the delivered level nan"),
+        (lambda: small(n_trials=0), "QuestPlus.n_trials: found 0, expected a whole number"),
+        (lambda: small(criterion="entropie"), "QuestPlus.criterion: found 'entropie', .*did you mean 'entropy'"),
+        (lambda: quest(start=50.0), "Quest.start: found 50, low 0, high 40 and step 0.5, expected a start between"),
+        (lambda: quest(start_sd=0.0), "Quest.start_sd: found 0.0, expected a finite number above 0"),
+        (lambda: quest(step=50.0), "Quest.start: found 20, low 0, high 40 and step 50, expected a start between low"),
+        (lambda: quest(sd_stop=0.0), "Quest.sd_stop: found 0.0, expected a finite number above 0"),
+        (lambda: quest(placing="median"), "Quest.placing: found 'median', expected one of quantile, mean, mode"),
+        (lambda: quest(guess_rate=1.0), "Quest.guess_rate: found 1.0, expected a number from 0 to below 1"),
+        *((lambda p=p: quest(target=p), f"Quest.target: found {p}, expected a probability") for p in (0.4, 0.997)),
         (lambda: SharedQuestPlus(RULE, ()), r"SharedQuestPlus.tracks: found \(\), expected names, each once"),
         (lambda: SharedQuestPlus(RULE, ("a", "a")), "expected names, each once"),
         (lambda: SharedQuestPlus(RULE.after(1), ("a",)), "SharedQuestPlus.rule: found QuestPlusRun.*, expected"),
         (lambda: SharedQuestPlus(RULE, ("left",)).procedure("lefty"), "SharedQuestPlus.track: found 'lefty', expected"),
     ],
 )
-def test_invalid_pool_is_refused(build, message):
+def test_impossible_arguments_are_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()
