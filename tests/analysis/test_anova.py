@@ -72,7 +72,6 @@ def test_two_levels_have_the_columns_of_more(published) -> None:
 
 
 def test_effect_has_no_f_when_error_is_zero() -> None:
-    """The other effects have one."""
     rng = np.random.default_rng()
     values = np.arange(6.0)[:, None, None] + np.array([0.0, 3.0])[None, :, None] + rng.normal(size=(6, 1, 3))
     table = long_table(values, forces=(1, 2), frequencies=(60, 120, 240))

@@ -65,7 +65,6 @@ def test_few_inner_thresholds_are_flat(outcomes) -> None:
 
 
 def test_mode_of_constant_stimuli_is_nearly_unbiased() -> None:
-    """Bias is within 0.1 standard deviations at six levels of 40 trials."""
     rng, n_sets, levels = np.random.default_rng(), 4000 if SOAK else 300, np.linspace(-2.5, 2.5, 6)
     curve = PsychometricFunction("normal", 0.3, 4.0, 0.5, 0.02)
     n_yes = rng.binomial(40, [curve.probability(float(x)) for x in levels], (n_sets, 6))
@@ -97,7 +96,6 @@ def test_forced_choice_estimates_reach_their_goal_with_lapses(design) -> None:
 
 
 def test_docs_have_the_tables_of_the_benchmark(outcomes) -> None:
-    """Compare heads, rows and numbers of tracks."""
     status_table = benchmark_module("bias_study").status_table
     docs = (ROOT / "docs" / "reference" / "analysis.md").read_text("utf-8")
     n_sets = int(re.search(r"python benchmarks/bias_study.py statuses --n (\d+)", docs)[1])

@@ -149,7 +149,6 @@ def test_narrow_interval_counts_as_its_value() -> None:
 
 
 def test_interval_counts_as_censored_above_minimum_width() -> None:
-    """An interval narrower than a millionth of the spread counts as a value."""
     for width, n in ((0.05, 1), (1.1e-6, 1), (0.9e-6, 0)):
         laid = Intervals.of(np.array([[1.0, 1.0], [2.0, 2.0 + width]]), np.ones((2, 1)), np.array([0, 0]))
         assert laid.n_censored == n
@@ -226,7 +225,6 @@ def test_unbounded_coefficient_is_detected_before_search(ends, direction) -> Non
 
 
 def test_known_values_without_error_are_rejected_before_search() -> None:
-    """The likelihood rises without end as the error variance vanishes."""
     table = study(np.random.default_rng())
     known = (table["who"] == "P0") & (table["force_n"] < 2)
     with pytest.raises(InvalidParameter, match="known values that terms and participants explain exactly"):

@@ -43,7 +43,6 @@ def found() -> pd.DataFrame:
 @pytest.mark.slow
 @pytest.mark.parametrize(("quantity", "least", "most"), [("difference", LEAST, MOST), ("equality", 0.93, 1.0)])
 def test_comparison_intervals_have_stated_coverage(found, quantity, least, most) -> None:
-    """Coverage is right for each participant and overall, within tolerance."""
     covered, n = (found["covered"] * found["n"])[quantity], found["n"][quantity]
     assert (covered >= binom.ppf(1e-4, n, least)).all()
     assert (covered <= binom.ppf(1 - 1e-4, n, most)).all()

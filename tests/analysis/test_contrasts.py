@@ -43,7 +43,6 @@ def analysed(values: np.ndarray) -> pd.DataFrame:
 
 @pytest.mark.parametrize("shape", [(6, 3), (10, 3, 7), (13, 3, 4), (9, 2, 2), (30, 2, 5)])
 def test_contrasts_equal_pingouin(shape) -> None:
-    """The soak compares 100 random studies."""
     rng = np.random.default_rng()
     for _ in range(20 if SOAK else 1):
         check_against_pingouin(drawn(shape, rng))
@@ -103,11 +102,6 @@ def test_epsilons_lie_between_one_over_df_and_one(n, k, seed) -> None:
     assert effect.is_singular == (k > 2 and n - 1 < k - 1)
 
 
-def test_two_levels_have_no_sphericity_to_test() -> None:
-    row = analysed(drawn((7, 2), np.random.default_rng())).iloc[0]
-    assert (row["sphericity"], row["p_spher"], row["eps"], row["eps_CM"]) == (True, 1.0, 1.0, 1.0)
-
-
 def test_huynh_and_feldt_of_the_published_table(published_values) -> None:
     found = analysed(published_values)
     assert found["eps_HF"].to_numpy() == pytest.approx([1, 0.931837, 1], abs=1e-6)
@@ -135,7 +129,6 @@ def test_sphericity_is_rejected_at_5_percent(p, holds) -> None:
 
 
 def test_singular_note_distinguishes_few_participants_from_dependent_contrasts() -> None:
-    """The error matrix of n participants has a rank of n - 1 at most."""
     rng = np.random.default_rng()
     (few,) = effects(design_of(drawn((4, 5), rng)))
     assert "(4 contrasts need at least 5 complete participants, found 4)" in singular_note(few, 4)
@@ -196,7 +189,6 @@ def test_many_participants_draw_signs_and_agree_with_f() -> None:
 
 @pytest.mark.parametrize(("n", "n_permutations"), [(6, 32), (14, 8192), (15, 99)])
 def test_permutation_test_reports_number_of_permutations(n, n_permutations) -> None:
-    """One of two mirrored patterns of signs each is tried."""
     rng = np.random.default_rng()
     names = {"dependent": "y", "within": "force", "subject": "subject"}
     found = permutation_test(long_table(drawn((n, 3), rng)), **names, rng=rng, n_resamples=99)
@@ -220,30 +212,10 @@ def test_permutation_test_works_when_sphericity_is_untestable() -> None:
     assert tested["F"].to_numpy() == pytest.approx(found["F"].to_numpy())
 
 
-def false_positive_rates(n_studies: int, rng: np.random.Generator) -> np.ndarray:
-    """Return the shares of null studies of 10 x 3 x 7 values below 5 %: corrected effects, and by permutation."""
-    scale = np.sqrt(np.geomspace(1, 30, 21))
-    mixing = np.linalg.cholesky(0.5 * np.eye(21) + 0.5)
-    hits = np.zeros(4)
-    for _ in range(n_studies):
-        values = (rng.normal(size=(10, 21)) @ mixing.T * scale).reshape(10, 3, 7)
-        hits[:3] += analysed(values)["p_GG_corr"] < 0.05
-        hits[3] += permutation_p(effects(design_of(values))[2]) <= 0.05
-    return hits / n_studies
-
-
-@pytest.mark.slow
-def test_null_studies_with_sphericity_violated_are_seldom_significant() -> None:
-    n_studies = 10_000 if SOAK else 1_500
-    rates = false_positive_rates(n_studies, np.random.default_rng())
-    assert (rates <= 0.05 + 0.01 + 3.7 * np.sqrt(0.05 * 0.95 / n_studies) * (not SOAK)).all(), rates
-
-
 VALUES = np.random.default_rng(0).normal(size=(6, 3, 4))
 
 
 def test_zero_variance_between_participants_has_its_f() -> None:
-    """Participants have equal means but differ in their conditions."""
     values = VALUES - VALUES.mean(axis=(1, 2), keepdims=True)
     assert analysed(values)["F"].to_numpy() == pytest.approx(analysed(VALUES)["F"].to_numpy(), rel=1e-9)
 
@@ -287,7 +259,6 @@ def chi_muller_p(effect: ContrastEffect) -> float:
 @pytest.mark.parametrize("design", DESIGNS)
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_anova_false_positive_rate_is_near_five_percent(design, scenario) -> None:
-    """Use ten participants and Chi and Muller's p of the highest effect."""
     n_levels, part = DESIGNS[design]
     n_studies = 60_000 if SOAK else 2_000
     values = null_studies(scenario, int(np.prod(n_levels)), (n_studies, N), np.random.default_rng())

@@ -176,7 +176,6 @@ def test_measurements_alone_are_rejected(tmp_path, answer) -> None:
 
 @pytest.mark.parametrize(("rows", "is_compared"), [(settings, True), (None, False)], ids=["settings", "exponents"])
 def test_equivalence_applies_to_levels_only(tmp_path, rows, is_compared) -> None:
-    """An exponent has another unit."""
     rng = np.random.default_rng()
     path = written(tmp_path / "t.csv", rows(rng) if rows else numbers("dB re 1 V", noise=0.1, rng=rng))
     (outcome,) = analyse(path, plan=AnalysisPlan(equivalence={"force_n": 50.0})).outcomes

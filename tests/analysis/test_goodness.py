@@ -133,7 +133,6 @@ def test_goodness_deviance_equals_deviance_of_fit():
 
 
 def test_residual_order_and_dispersion_have_closed_form():
-    """One level at a rate of one half, where the part of the dispersion weighted with rates is 0."""
     counts = normalise(np.zeros((1, 1)), np.array([[20.0]]), np.array([[40.0]]))
     theta = np.array([[0.0, 0.0, 0.0, 0.0]])
     answers = Sequences(np.array([[[0.0], [0.0], [10.0], [10.0]]]), np.full((1, 4, 1), 10.0))

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from tactometry.analysis.hierarchical.model import GroupModel, StudyCounts, rate_of
-from tactometry.analysis.hierarchical.posterior import Laplace, integrate, quantiles, sequence
+from tactometry.analysis.hierarchical.posterior import Laplace, integrate, quantiles
 from tactometry.analysis.hierarchical.tables import draw_cells
 from tactometry.experiments.bias_study.groups import outcome
 from tactometry.psychometric import SHAPES, PsychometricFunction
@@ -24,12 +24,6 @@ def model_of(n_yes, lapse_rate=0.02) -> GroupModel:
     return GroupModel(StudyCounts.of(names, {"condition": np.zeros(n_yes.size)}, (), answers, **known))
 
 
-def test_sequence_fills_the_unit_cube_evenly() -> None:
-    points = sequence(1024, 3)
-    assert points.mean(axis=0) == pytest.approx([0.5] * 3, abs=6e-3)
-    assert np.cov(points, rowvar=False) == pytest.approx(np.eye(3) / 12, abs=4e-3)
-
-
 def test_quantiles_of_a_mixture_reach_their_share() -> None:
     weights, means, sds = np.array([0.2, 0.5, 0.3]), np.array([-3.0, 0.0, 4.0]), np.array([1.0, 0.5, 0.0])
     low = quantiles(weights, means, sds, 0.1)
@@ -38,7 +32,6 @@ def test_quantiles_of_a_mixture_reach_their_share() -> None:
 
 
 def test_draws_of_participants_stay_near_laplace() -> None:
-    """Within 0.4 standard deviations, with a quarter of the draws effective."""
     model = model_of(N_YES[:2])
     hyper = np.array([np.log(0.2), np.log(0.3), 0.0, np.log(0.5)])
     found = integrate(Laplace(model, hyper, np.zeros(1)), hyper, 64)
@@ -48,16 +41,6 @@ def test_draws_of_participants_stay_near_laplace() -> None:
     sds = np.sqrt(found.mean(found.at.variances[:, :, 0] + np.square(found.at.cells[:, :, 0] - normal)))
     assert (np.abs(mean - normal) < 0.4 * sds).all()
     assert (draws.n_effective > 2**12).all()
-
-
-def test_rates_and_slopes_are_derivatives() -> None:
-    logit = np.linspace(-8, 8, 9)
-    step = 1e-4
-    rate, slope, bent = rate_of(logit)
-    ahead, behind = rate_of(logit + step), rate_of(logit - step)
-    assert (rate > 0).all()
-    assert slope == pytest.approx((ahead[0] - behind[0]) / (2 * step), abs=1e-8)
-    assert bent == pytest.approx((ahead[1] - behind[1]) / (2 * step), abs=1e-8)
 
 
 def test_log_likelihood_slopes_are_derivatives() -> None:

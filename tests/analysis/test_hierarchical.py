@@ -26,7 +26,6 @@ def study():
 
 
 def test_one_participant_agrees_with_a_single_fit() -> None:
-    """The priors of the width and the lapse rate differ."""
     k = [10, 11, 11, 15, 18, 20, 20]
     rows = pd.DataFrame({"participant": "A", "force_n": 1.0, "level": LEVELS, "k": k, "n": 20})
     found = fitted(rows)
@@ -141,7 +140,6 @@ def test_a_missing_cell_stays_empty(study) -> None:
 
 
 def test_condition_without_threshold_has_no_mean(study) -> None:
-    """Its participants have bounds."""
     rows = study[0].copy()
     rows.loc[rows["force_n"] == 0.5, "k"] = 20
     found = fitted(rows)
@@ -257,7 +255,6 @@ def test_invalid_arguments_are_rejected(study, change, message) -> None:
 
 
 def test_points_of_the_integral_hardly_move_intervals(study) -> None:
-    """Compare with four times as many points."""
     few, many = (fitted(study[0], n_points=n).conditions for n in (256, 1024))
     length = (many["interval_high"] - many["interval_low"]).mean()
     for end in ("interval_low", "interval_high"):
@@ -296,7 +293,6 @@ def test_effects_of_a_factorial() -> None:
 
 
 def test_uneven_deviations_cost_degrees_of_freedom() -> None:
-    """The correction follows the covariance of the participants' thresholds."""
     rows, _ = simulated(np.random.default_rng(), n=6, means={0.5: 18.0, 1.0: 19.0, 2.0: 19.0}, n_trials=30)
     found = fitted(rows)
     noise = np.random.default_rng().normal(0, 30, 6)

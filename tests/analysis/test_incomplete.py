@@ -68,7 +68,6 @@ def test_catch_trials_alone_are_reported_without_threshold(tmp_path, capsys, tas
 
 
 def test_repeated_questionnaire_touch_counts_once(tmp_path):
-    """Its answers have a row for each item."""
     answer = {"participant": "P1", "session": 1, "block": 1, "trial": 1, "pattern": "P0", "procedure": "attrakdiff"}
     answer |= {"level": 28, "task": "rating", "response": 4, "valid": 1}
     failed = answer | {"item": "", "response": "", "valid": 0, "attempt": 1}
@@ -98,7 +97,6 @@ def test_quality_table_counts_each_row_once(tmp_path):
     "factor", [1e-5, 400.0, *(pytest.param(factor, marks=pytest.mark.slow) for factor in (0.01, 1.0))]
 )
 def test_thresholds_keep_three_digits_in_all_output(tmp_path, capsys, factor):
-    """Levels in volts need more than one decimal place."""
     rows = [
         {"participant": f"P{person}", "trial": 100 * x + n, "side": side, "procedure": "c", "level": factor * x}
         | {"level_unit": "V", "task": "comparison", "response": int(n % 10 < 2 * x - person - (side == "b"))}

@@ -70,7 +70,6 @@ def test_localisation_errors_are_counted_by_distance():
 
 @pytest.mark.parametrize("m", [2, 3, 9])
 def test_resolution_is_halfway_point_above_chance(m):
-    """Fit the expected counts of a Weibull function."""
     n, alpha, beta = 9000, 0.014, 2.0
     rates = {x: 1 / m + (1 - 1 / m) * (1 - np.exp(-((x / alpha) ** beta))) for x in DISTANCES_M}
     found = resolutions(answers({x: (round(n * rate), n) for x, rate in rates.items()}, m), FACTORS)
@@ -208,7 +207,6 @@ def chances(text):
 
 
 def test_resolution_of_simulated_participant_is_recovered(tmp_path):
-    """The estimate equals the resolution of the plate's field within its error."""
     text = study(repeats=40)
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     simulated = "simulate", tmp_path / "study.toml", "--participants", "1", "--out", tmp_path / "data"
@@ -235,7 +233,6 @@ def numbered(path, rows):
 
 
 def test_rates_of_participants_are_compared_between_distances(tmp_path):
-    """Compare with the ANOVA of statsmodels, without a correction."""
     rows = people(np.random.default_rng(4))
     path = numbered(tmp_path / "t.csv", rows.drop(columns="force_n"))
     (outcome,) = analyse(path, within=("place", "distance_m"), report=tmp_path / "t.html").outcomes
@@ -251,7 +248,6 @@ def test_rates_of_participants_are_compared_between_distances(tmp_path):
 
 
 def test_rates_by_distance_have_no_force_model(tmp_path):
-    """Applied force is known by factor only, not by distance."""
     rng = np.random.default_rng()
     rows = pd.concat([people(rng, force_n=force_n) for force_n in (0.5, 2.0)], ignore_index=True)
     rows = rows.assign(force_mean_n=rows["force_n"] * rng.uniform(0.9, 1.1, len(rows)))

@@ -48,7 +48,6 @@ def test_mode_is_highest_over_lapse_rates(k, threshold, lapse_rate) -> None:
 
 
 def test_modes_in_a_batch_equal_single_modes() -> None:
-    """The batch alternates steep and shallow maxima."""
     k = np.array([[0, 2, 18, 19, 19, 20, 16], [0, 3, 9, 21, 30, 37, 40], [0, 0, 2, 14, 18, 24, 18]])
     posterior = log_posterior(LEVELS, k, 40, guess_rate=0.0)
     together = find_mode(posterior)

@@ -111,7 +111,6 @@ def test_between_groups_design_has_anova_and_pairs(n_below) -> None:
 
 
 def test_condition_left_out_by_model_has_no_mean() -> None:
-    """With one frequency left, the means by force are of that frequency."""
     table = estimates(np.random.default_rng())
     table = table[table["frequency_hz"] < 240]
     lost = table["frequency_hz"] == 120

@@ -173,7 +173,6 @@ def test_factors_have_readable_names_in_output(two) -> None:
 
 
 def test_tables_are_not_cut(two) -> None:
-    """Cells break between a value, its interval and its number."""
     page = render(two)
     assert "nowrap" not in page
     assert re.search(r"<td>[\d.]+ \[\S+,\u00a0\S+\] \(n\u00a0=\u00a02\)</td>", page)
@@ -286,7 +285,6 @@ def test_procedure_text_of_adjustment_omits_level_choice() -> None:
 
 
 def test_analyse_runs_when_tactometry_is_not_installed(monkeypatch, capsys) -> None:
-    """A source checkout has no package metadata."""
     installed = metadata.distribution
 
     def distribution(name):

@@ -65,7 +65,6 @@ def test_published_set_has_mode_and_interval_of_psignifit() -> None:
 
 @pytest.mark.parametrize("name", MATLAB)
 def test_posterior_mode_of_matlab_psignifit(name: str) -> None:
-    """All modes are without overdispersion, as in the binomial model."""
     counts, options, expected = matlab_case(name)
     found, tolerance = fit(*counts, **options), expected["tol"]
     assert found.threshold == pytest.approx(expected["MAP"][0], abs=tolerance["MAP_threshold_abs"])
@@ -313,7 +312,6 @@ def exact(shape, z, guess, lapse, n_yes, n_no):
 @pytest.mark.parametrize("rates", [(0.5, 0.02), (0.0, 0.0), (0.5, 0.0), (0.03, 0.2)], ids=str)
 @pytest.mark.parametrize("answers", [(3, 17), (0, 20), (20, 0)], ids=str)
 def test_likelihood_and_derivatives_match_50_digits(shape, rates, answers) -> None:
-    """Compare on the linear scale and in the tails, for z from -30 to 30."""
     places = [-30.0, -12.0, -3.0, -0.4, 0.0, 0.7, 2.5, 4.0, 9.0, 30.0]
     places = {"gumbel": places[:8], "reversed_gumbel": [-4.0, -2.5, 0.0, 0.7, 3.0, 12.0, 30.0]}.get(shape, places)
     z, (guess, lapse) = np.array([[place] for place in places]), (np.full((1, 1), rate) for rate in rates)
@@ -381,7 +379,6 @@ def test_levels_of_any_size_give_the_same_curve(levels) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_levels_with_extreme_spacing_are_pooled(method) -> None:
-    """Three levels within 1e-9 of the fourth's distance become one."""
     found = fit([0.0, 1e-10, 2e-10, 1.0], [4, 5, 5, 19], 20, shape="normal", guess_rate=0.0, method=method)
     assert found.n_levels == 2
     assert found.status in (Status.TOO_FEW_LEVELS, Status.SEPARATED)

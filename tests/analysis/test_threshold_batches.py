@@ -207,7 +207,6 @@ def test_track_modes_have_stated_standard_errors():
 
 
 def test_levels_felt_through_table_are_fitted_unchanged():
-    """If a stimulus feels 6 dB weaker, its threshold is 6 dB higher."""
     weaker = LevelTable(np.array([0.0, 40.0]), np.array([-6.0, 34.0]))
     rule = ConstantStimuli(tuple(np.arange(8.0, 37.0, 4.0).tolist()), 12)
     (plain,), (made,) = (fitted_tracks(rule, PEOPLE, (3,), 1, n_trials=96, table=table) for table in (None, weaker))

@@ -19,7 +19,6 @@ def fitted(n_correct, **options) -> ThresholdFit:
 
 
 def test_equals_a_probit_regression_on_many_random_sets() -> None:
-    """Without guesses and lapses the model is statsmodels' binomial GLM."""
     import statsmodels.api as sm
 
     rng = np.random.default_rng()
@@ -54,7 +53,6 @@ def psignifit_log_posterior(data, parameters, threshold_range, smallest_gap) -> 
 
 
 def test_mode_is_more_probable_than_fine_grid() -> None:
-    """Under psignifit's own priors and likelihood."""
     pytest.importorskip("psignifit")
     rng = np.random.default_rng()
     for _ in range(50 if SOAK else 2):
@@ -129,7 +127,6 @@ def ends_of(nodes, masses) -> np.ndarray:
     ids=["2AFC", "yes/no", "overdispersed"],
 )
 def test_means_and_intervals_match_fine_grid_integral(free_guess, overdispersed, n_sets) -> None:
-    """The soak has 100 random sets of each kind."""
     pytest.importorskip("psignifit")
     rng, compared = np.random.default_rng(), 0
     options = {"guess_rate": None if free_guess else 0.5, "overdispersion": overdispersed, "estimate": "mean"}

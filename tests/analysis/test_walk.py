@@ -72,7 +72,6 @@ def test_every_fit_has_number_or_status(method, case) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_batch_of_hard_cases_equals_single_fits(method) -> None:
-    """Data sets of different lengths and sizes side by side."""
     columns: list[list[np.ndarray]] = [[], [], []]
     for levels, k, n, _ in SETS.values():
         for column, part in zip(columns, (levels, k, np.broadcast_to(n, len(levels))), strict=True):

@@ -100,7 +100,6 @@ WEIGHING = {
 @given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans(), output=st.sampled_from([AS_ASKED, OUTPUT]))
 @examples(8, deadline=None)
 def test_batch_of_weighing_rule_equals_single_runs(rule, seed, through_a_table, output):
-    """Levels of QUEST are equal within the rounding of a sum."""
     rng = np.random.default_rng(seed)
     shape = (5, 30, rule.n_outcomes - 1)
     drawn = np.sort(rng.uniform(-10, 50) + rng.choice([0.0, 1.0, 10.0]) * rng.standard_normal(shape), axis=2)
@@ -193,10 +192,7 @@ ONE_OF_TWO = r"tracks.criteria: found .* expected \(n_sets, n_trials, 2\)"
     ("call", "message"),
     [
         (lambda: tracks(WEIGHING["wrong, unsure, right"], np.zeros((1, 2))), ONE_OF_TWO),
-        (
-            lambda: tracks_of(criteria=np.zeros(3)),
-            r"tracks.criteria: found the shape \(3,\), expected \(n_sets, n_trials\)",
-        ),
+        (lambda: tracks_of(criteria=np.zeros(3)), r"tracks.criteria: found the shape \(3,\), expected \(n_sets, n"),
         (lambda: tracks_of(orders=np.zeros((2, 4))), "tracks.orders: found 2 rows, expected 1 or 3"),
         (lambda: tracks_of(table=table_of(LEVELS, np.zeros((2, 8)))), "tracks.table: found 2 rows, expected 1 or 3"),
         (lambda: table_of([0.0, 0.0], [1.0, 2.0]), "LevelTable.levels: found .* not in ascending order"),

@@ -6,10 +6,8 @@ from dataclasses import fields
 from typing import get_args
 
 import catalogue
-import numpy as np
 import pytest
 from examples import examples
-from followed_rule import follow
 from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
@@ -81,12 +79,6 @@ def test_equal_answers_never_end_as_converged(procedure, answer):
         procedure = procedure.after(answer)
     assert procedure.ending == ("censored_below" if answer else "censored_above")
     exact_case("equal answers to every procedure", against="censored")
-
-
-@per_procedure
-def test_the_same_answers_give_the_same_levels(procedure):
-    answers = np.random.default_rng().random(30) < 0.7
-    assert follow(procedure, answers)[0] == follow(procedure, answers)[0]
 
 
 @per_procedure

@@ -253,7 +253,6 @@ def test_equal_answers_end_as_censored(direction, answer, ended):
 
 
 def test_series_that_contradict_each_other_have_no_bound():
-    """Strong levels are never felt, weak ones always: no bound is valid."""
     _, rule = follow(RULE, [0, 1, 0, 1])
     assert rule.transitions == (None,) * 4
     assert (rule.ending, rule.threshold) == ("aborted", None)

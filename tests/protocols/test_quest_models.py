@@ -128,7 +128,6 @@ def test_three_outcome_rule_recovers_true_centre():
 
 
 def test_weibull_on_log_levels_equals_gumbel():
-    """A Weibull of the level is a Gumbel of its logarithm."""
     widths = {"n_levels": 21, "width_low": 0.5, "width_high": 2.0, "n_widths": 3}
     log = QuestPlusSettings(0.1, 10.0, spacing="log", shape="weibull", **widths).procedure()
     linear = QuestPlusSettings(math.log(0.1), math.log(10), **widths).procedure()
@@ -220,7 +219,6 @@ def test_remark_explains_answers_impossible_on_grid():
 
 
 def test_equal_answers_on_fine_grid_end_as_censored():
-    """No single cell has half of the posterior; the end is the highest."""
     grid = ParameterGrid(tuple(np.linspace(0, 40, 401)), (10.0,), (0.5,), (0.02,))
     rule = QuestPlus(LEVELS, grid, n_trials=15)
     while not rule.finished:

@@ -58,7 +58,6 @@ def test_truncated_line_is_moved_before_session_resumes(tmp_path, synced):
 
 
 def test_session_is_unlocked_when_its_files_are_unwritable(lived):
-    """The trials file is a folder, so it cannot be rebuilt."""
     session = Session("P01", 1, STUDY.name)
     trials = next((lived / "data").glob("*.csv"))
     content = trials.read_bytes()
@@ -150,7 +149,6 @@ def test_the_tighter_duration_of_bench_and_study_holds(of_bench, of_study, holds
 
 @pytest.mark.parametrize(("catch_rate", "n_trials"), [(0.2, 20), (0.0, 16)])
 def test_plan_counts_catch_trials(catch_rate, n_trials):
-    """At a rate of 0.2 there is one catch trial for every four of 16 stimuli."""
     experiment = wire(replace(STUDY, task={**STUDY.task, "catch_rate": catch_rate}), "x")
     assert [block.n_trials_at_most for block in plan(experiment, 1)] == [n_trials] * 2
 
@@ -177,7 +175,6 @@ def test_console_clock_continues_after_interruption():
 
 
 def test_sessions_of_one_participant_have_different_random_answers():
-    """The first touch of two sessions has different forces."""
     request = Slide("frequency_hz=60", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0, 0.05)
     held = []
     for n_session in (1, 2):

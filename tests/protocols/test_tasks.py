@@ -243,7 +243,6 @@ def test_unanswered_item_has_empty_response():
 
 
 def test_scores_of_constant_raw_answers_follow_item_reversals():
-    """All raw answers are 7, in presented order with reversals."""
     course = fill_in(FULL, np.random.default_rng(1), shuffled=True)
     page, replies = next(course), None
     try:
