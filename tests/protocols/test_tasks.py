@@ -97,15 +97,10 @@ def test_pair_contains_standard_and_level_at_target(task):
 @given(seed=st.integers(0, 2**32 - 1), level=st.sampled_from([10.0, 20.0, 30.0]), option=st.sampled_from([1, 2]))
 def test_comparison_is_scored_by_choice_of_stronger(seed, level, option):
     outcome = answered(Comparison(20.0), shown(level), np.random.default_rng(seed), choosing(lambda request: option))
-    (told,) = outcome.replies
+    (reply,) = outcome.replies
     stronger = option == outcome.target
-    assert told.response == int(stronger) == int(outcome.success)
-    assert told.correct == (None if level == 20.0 else stronger == (level > 20.0))
-
-
-def test_a_pair_is_called_same_or_different():
-    asked = {request for request, _ in lived("same_different").entries if isinstance(request, Choose)}
-    assert asked == {Choose("same_different", (0, 1), ("same", "different"))}
+    assert reply.response == int(stronger) == int(outcome.success)
+    assert reply.correct == (None if level == 20.0 else stronger == (level > 20.0))
 
 
 @pytest.mark.parametrize("n_intervals", [1, 5])
@@ -121,6 +116,8 @@ def test_equal_pair_is_catch_trial_without_level():
     assert all(trial.level is None and trial.level_delivered is None for trial in same)
     scored = [trial for trial in memory.trials if trial.valid]
     assert all(trial.correct == (trial.response == (not trial.catch)) for trial in scored)
+    questions = {request for request, _ in memory.entries if isinstance(request, Choose)}
+    assert questions == {Choose("same_different", (0, 1), ("same", "different"))}
 
 
 def test_magnitude_rises_with_level():
@@ -219,15 +216,12 @@ def test_items_are_in_published_or_random_order():
     assert {tuple(sorted(order)) for order in drawn} == {tuple(sorted(published))}
 
 
-@pytest.mark.parametrize(("name", "sizes"), [("attrakdiff", [7] * 4), ("attrakdiff-mini", [5, 5]), ("sus", [5, 5])])
-def test_pages_are_equally_long(name, sizes):
+@pytest.mark.parametrize(
+    ("name", "sizes", "most"), [("attrakdiff", [7] * 4, 7), ("attrakdiff-mini", [5, 5], 7), ("sus", [5, 5], 5)]
+)
+def test_pages_are_equally_long_with_seven_pairs_or_five_statements(name, sizes, most):
     form = load(name)
     assert [len(page.questions) for page in pages(form, form.items)] == sizes
-
-
-@pytest.mark.parametrize(("name", "most"), [("attrakdiff", 7), ("sus", 5)])
-def test_page_contains_seven_word_pairs_or_five_statements(name, most):
-    form = load(name)
     assert [len(pages(form, form.items[:n])) for n in (most, most + 1)] == [1, 2]
 
 
