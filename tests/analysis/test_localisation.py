@@ -91,14 +91,6 @@ def drawn(n, rng, m=3, code="P01"):
 HALFWAY_M = ALPHA_M * log(2) ** (1 / BETA)
 
 
-def test_known_resolution_and_rates_are_recovered():
-    (found,) = resolutions(drawn(2000, np.random.default_rng()), FACTORS).to_dict("records")
-    standard_error_m = (found["resolution_m_high"] - found["resolution_m_low"]) / (2 * norm.ppf(0.975))
-    assert abs(found["resolution_m"] - HALFWAY_M) <= AT_1E_4 * standard_error_m
-    assert found["guess_rate"] == pytest.approx(1 / 3)
-    assert found["lapse_rate"] == pytest.approx(LAPSES, abs=AT_1E_4 * sqrt(LAPSES * (1 - LAPSES) / 4000))
-
-
 def test_resolution_intervals_have_nominal_coverage():
     rng, n = np.random.default_rng(), 400 if SOAK else 100
     each = resolutions(pd.concat([drawn(30, rng, code=f"P{k:03}") for k in range(n)], ignore_index=True), FACTORS)

@@ -124,22 +124,6 @@ def test_unit_and_offset_do_not_matter(published, scale) -> None:
     assert other.participant_variance == pytest.approx(one.participant_variance * scale**2, rel=1e-3)
 
 
-def test_mixed_model_recovers_truth_with_missing_cells() -> None:
-    rng = np.random.default_rng()
-    n, k, sd = 60, 4, 0.7
-    force = rng.uniform(0.5, 3.0, (n, k))
-    values = 20 - 1.5 * force + np.arange(k) + rng.normal(0, 2, (n, 1)) + rng.normal(0, sd, (n, k))
-    table = any_table(values).assign(measured=force.ravel())
-    kept = table[rng.random(len(table)) < 0.8]
-    found = mixed_model(kept, dependent="y", factors=["force"], covariates=["measured"], subject="subject",
-                        interactions=False)  # fmt: skip
-    rows = found.coefficients.set_index("term")
-    for term, truth in (("measured", -1.5), ("force = 1", 1.0), ("force = 3", 3.0)):
-        assert rows.loc[term, "estimate"] == pytest.approx(truth, abs=4.5 * rows.loc[term, "se"])
-    assert found.residual_variance == pytest.approx(sd**2, rel=4.5 * np.sqrt(2 / found.coefficients["df"][0]))
-    assert found.participant_variance == pytest.approx(4.0, rel=4.5 * np.sqrt(2 / (n - 1)) + 0.1)
-
-
 def test_identical_participants_have_singular_fit() -> None:
     values = drawn((8, 4), np.random.default_rng())
     centred = values - values.mean(axis=1, keepdims=True)
