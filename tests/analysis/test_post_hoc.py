@@ -271,14 +271,13 @@ def test_sentence_of_one_row(kind, row, facts, text) -> None:
 def test_equivalence_sentences_deny_unmet_claims() -> None:
     values = np.random.default_rng().normal(size=(8, 2)) + np.array([0, 5.0])
     tested = equivalence(any_table(values), factor="force", bound=0.5, **ARGUMENTS)
-    told = table_sentences("equivalence", tested, tested.attrs)
-    assert all("not" in sentence for sentence in told)
+    assert all("not" in sentence for sentence in table_sentences("equivalence", tested, tested.attrs))
 
 
 def test_pair_sentence_reports_differences_without_error() -> None:
     values = np.arange(4.0)[:, None] + np.array([0.0, 2.0])
-    (told,) = table_sentences("pairs", pairs(any_table(values), factor="force", **ARGUMENTS))
-    assert told == "1 − 0: 2.00 in every participant: not tested, as the error is 0"
+    (sentence,) = table_sentences("pairs", pairs(any_table(values), factor="force", **ARGUMENTS))
+    assert sentence == "1 − 0: 2.00 in every participant: not tested, as the error is 0"
 
 
 def checked(table, within):

@@ -162,6 +162,6 @@ def test_levels_reveal_all_but_the_last_reversal(answers, n_down):
     rule = Staircase(0.0, (4.0, 2.0), -1e3, 1e3, n_down=n_down, n_reversals=100, n_trials=100)
     for answer in answers:
         rule = rule.after(answer)
-    told = reversals(rule.delivered)
-    assert tuple(told) == rule.reversals[: len(told)]
-    assert len(rule.reversals) - len(told) in (0, 1)
+    shown = reversals(rule.delivered)
+    assert tuple(shown) == rule.reversals[: len(shown)]
+    assert len(rule.reversals) - len(shown) in (0, 1)

@@ -147,7 +147,7 @@ def test_weighted_staircase_with_equal_steps_equals_staircase():
     assert ours == plain
 
 
-def test_constant_stimuli_repeat_contains_each_level_once_in_changing_order():
+def test_constant_stimuli_repeats_contain_all_levels_in_changing_order():
     rule = ConstantStimuli(levels=(1.0, 2.0, 3.0, 4.0), repeats=50).begin(np.random.default_rng())
     levels, end = follow(rule, [1, 0] * 200)
     repeats = [tuple(levels[n : n + 4]) for n in range(0, 200, 4)]

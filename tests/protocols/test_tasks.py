@@ -219,7 +219,7 @@ def test_items_are_in_published_or_random_order():
 @pytest.mark.parametrize(
     ("name", "sizes", "most"), [("attrakdiff", [7] * 4, 7), ("attrakdiff-mini", [5, 5], 7), ("sus", [5, 5], 5)]
 )
-def test_pages_are_equally_long_with_seven_pairs_or_five_statements(name, sizes, most):
+def test_questionnaire_pages_are_equally_long_up_to_maximum(name, sizes, most):
     form = load(name)
     assert [len(page.questions) for page in pages(form, form.items)] == sizes
     assert [len(pages(form, form.items[:n])) for n in (most, most + 1)] == [1, 2]
