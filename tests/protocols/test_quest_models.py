@@ -53,7 +53,7 @@ def losses(run, aim, criterion):
 def test_function_model_losses_equal_those_of_same_grid():
     rng, levels = np.random.default_rng(), LEVELS[::5]
     grid, general = QuestPlus(levels, GRID).begin(), QuestPlus(levels, GENERAL).begin()
-    for _ in range(4):
+    for _ in range(2):
         for aim, criterion in itertools.product(("parameters", "threshold"), ("entropy", "variance")):
             ours, theirs = (losses(run, aim, criterion) for run in (grid, general))
             np.testing.assert_allclose(ours, theirs, atol=1e-9)
