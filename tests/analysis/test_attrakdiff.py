@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from attrakdiff_answers import FORM, ITEMS, PATTERNS, raw_of, study
-from command_line import call
+from command_line import output
 from hypothesis import given, settings, strategies as st
 from own_form import OWN_FORM
 from study_texts import TUTORIAL
@@ -47,9 +47,6 @@ def scored(answers) -> pd.DataFrame:
     return scores(answers)
 
 
-# --- scores
-
-
 @pytest.mark.parametrize(
     ("raw", "expected"),
     [(4, [0, 0, 0, 0, 0]), (7, [-3 / 7, 3 / 7, -3 / 7, -3 / 7, 0]), (1, [3 / 7, -3 / 7, 3 / 7, 3 / 7, 0])],
@@ -86,6 +83,7 @@ def test_scores_read_text_answers_and_skip_empty_ones() -> None:
 def test_answers_given_twice_are_averaged() -> None:
     twice = pd.concat([one_person([raw_of(i, s) for i in ITEMS]) for s in (1, 2)])
     assert scores(twice)[DIMENSIONS].iloc[0].tolist() == pytest.approx([1.5] * 5)
+    assert item_scores(twice)["score"].tolist() == pytest.approx([1.5] * len(ITEMS))
 
 
 def test_conditions_are_the_columns_between_trial_and_procedure() -> None:
@@ -110,20 +108,12 @@ def test_the_short_form_is_read_by_its_name() -> None:
         (lambda t: t.assign(response=8), f"response, row 0: found 8 for {ITEMS[0]}, expected 1 to 7 or nothing"),
         (lambda t: t.assign(response="good"), f"response, row 0: found 'good' for {ITEMS[0]}, expected 1 to 7"),
         (lambda t: t.assign(response=3.5, row=99), f"response, row 99: found 3.5 for {ITEMS[0]}, expected 1 to 7"),
+        (lambda t: pd.concat(t.assign(procedure=x) for x in ("attrakdiff", "sus")), "procedure: found attrakdiff, sus"),
     ],
 )
 def test_scores_reject_invalid_answers(change, message) -> None:
     with pytest.raises(InvalidParameter, match=re.escape(message)):
         scores(change(one_person(4)))
-
-
-def test_refuses_two_questionnaires_together() -> None:
-    table = pd.concat([one_person(4).assign(procedure=name) for name in ("attrakdiff", "sus")])
-    with pytest.raises(InvalidParameter, match="procedure: found attrakdiff, sus, expected one questionnaire"):
-        scores(table)
-
-
-# --- over participants
 
 
 def test_intervals_are_those_of_participants_not_of_answers(answers, scored) -> None:
@@ -142,8 +132,8 @@ def test_intervals_are_those_of_participants_not_of_answers(answers, scored) -> 
 def test_word_pairs_keep_item_order_and_poles(answers) -> None:
     profile = word_pairs(item_scores(answers))
     assert len(profile) == 7 * 28
-    first = profile.iloc[0]
-    assert first[["pattern", "item", "negative", "positive"]].tolist() == ["P0", "PQ1", "Technical", "Human"]
+    first = profile.loc[0, ["pattern", "item", "negative", "positive"]]
+    assert first.tolist() == ["P0", "PQ1", "Technical", "Human"]
     assert profile["dimension"].iloc[:28].tolist() == ["PQ"] * 7 + ["HQI"] * 7 + ["HQS"] * 7 + ["ATT"] * 7
     means = profile[profile["pattern"] == "P2"].groupby("dimension")["mean"].mean()
     own = summary(scores(answers)).query("pattern == 'P2'").set_index("dimension")["mean"]
@@ -159,12 +149,8 @@ def test_portfolio_names_regions_and_has_intervals(scored) -> None:
 
 def test_portfolio_label_is_within_the_figure(scored) -> None:
     drawn = portfolio_figure(portfolio(scored).rename(columns={"pattern": "condition"}))
-    [label] = re.findall(r'font-size: (\d+)px[^>]* x="([^"]+)"[^>]*>Hedonic quality HQ', drawn.svg)
-    assert float(label[1]) > ASCENT * float(label[0])
-
-
-ASCENT = 0.93
-"""Of a letter of DejaVu Sans, in its size: how far it reaches from where it stands."""
+    [(size, x)] = re.findall(r'font-size: (\d+)px[^>]* x="([^"]+)"[^>]*>Hedonic quality HQ', drawn.svg)
+    assert float(x) > 0.93 * float(size)  # the ascent of a letter of DejaVu Sans
 
 
 @pytest.mark.parametrize(
@@ -173,9 +159,6 @@ ASCENT = 0.93
 )
 def test_regions_are_split_at_one(pq, hq, name) -> None:
     assert region(pq, hq) == name
-
-
-# --- consistency
 
 
 def test_alpha_equals_pingouin(answers) -> None:
@@ -189,31 +172,10 @@ def test_alpha_equals_pingouin(answers) -> None:
     assert (row["alpha_low"], row["alpha_high"]) == pytest.approx((low, high), abs=6e-4)
 
 
-def test_three_participants_have_an_alpha() -> None:
+def test_alpha_needs_three_participants_who_differ() -> None:
     three = consistency(item_scores(study(np.random.default_rng(), n=3).query("pattern == 'P1'")))
     assert three["alpha"].notna().any()
     assert set(three["n"]) == {3}
-
-
-def test_item_rated_twice_has_mean_score() -> None:
-    twice = pd.concat([one_person(4), one_person(7)])
-    raw_4, raw_7 = (item_scores(one_person(raw)).set_index("item")["score"] for raw in (4, 7))
-    found = item_scores(twice).set_index("item")["score"]
-    np.testing.assert_allclose(found[raw_4.index], (raw_4 + raw_7) / 2)
-
-
-def test_missing_scores_are_counted() -> None:
-    """P00 answered no item of PQ."""
-    table = study(np.random.default_rng(), n=3).query("pattern == 'P1'")
-    lost = (table["participant"] == "P00") & table["item"].isin(FORM.items_of("PQ"))
-    found = summary(scores(table.assign(response=table["response"].where(~lost, "")))).set_index("dimension")
-    assert (found.loc["PQ", ["n", "n_missing"]].tolist(), found.loc["ATT", ["n", "n_missing"]].tolist()) == (
-        [2, 1],
-        [3, 0],
-    )
-
-
-def test_alpha_has_note_when_undefined() -> None:
     few = consistency(item_scores(one_person(5)))
     assert few["alpha"].isna().all()
     assert set(few["note"]) == {"fewer than two items, or fewer than three participants who answered all items"}
@@ -221,7 +183,12 @@ def test_alpha_has_note_when_undefined() -> None:
     assert set(consistency(item_scores(alike))["note"]) == {"participants do not differ in this score"}
 
 
-# --- patterns
+def test_missing_scores_are_counted() -> None:
+    """P00 answered no item of PQ."""
+    table = study(np.random.default_rng(), n=3).query("pattern == 'P1'")
+    lost = (table["participant"] == "P00") & table["item"].isin(FORM.items_of("PQ"))
+    found = summary(scores(table.assign(response=table["response"].where(~lost, "")))).set_index("dimension")
+    assert found.loc[["PQ", "ATT"], ["n", "n_missing"]].to_numpy().tolist() == [[2, 1], [3, 0]]
 
 
 def test_frequency_by_envelope_leaves_the_single_focus_out(scored) -> None:
@@ -253,10 +220,8 @@ def test_participant_without_score_is_named_as_left_out(answers) -> None:
 
 
 def test_identical_answers_have_note_without_f() -> None:
-    table = pd.concat(
-        [one_person(4).assign(participant=f"P{n}", pattern=pattern) for n in range(4) for pattern in PATTERNS]
-    )
-    found = frequency_by_envelope(scores(table))
+    answers = [one_person(4).assign(participant=f"P{n}", pattern=pattern) for n in range(4) for pattern in PATTERNS]
+    found = frequency_by_envelope(scores(pd.concat(answers)))
     assert found["note"].str.contains("found the same value everywhere").all()
 
 
@@ -268,15 +233,16 @@ def test_refuses_patterns_that_are_not_there(scored) -> None:
         frequency_by_envelope(scored, pattern="patern")
 
 
+def simulated(tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, n: int = 3) -> Path:
+    (tmp_path / "study.toml").write_text(text)
+    output(capsys, "simulate", tmp_path / "study.toml", "--participants", n, "--seed", 1, "--out", tmp_path / "d")
+    return tmp_path / "d"
+
+
 def test_custom_form_is_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    study, data = tmp_path / "study.toml", tmp_path / "d"
-    study.write_text(TUTORIAL + OWN_FORM)
-    assert call(capsys, "simulate", study, "--participants", 2, "--seed", 1, "--out", data)[0] == 0
-    trials = read_trials(data)
-    answers = trials.rows[trials.rows["procedure"] == "mine"].pivot(
-        index="participant", columns="item", values="response"
-    )
-    answers = answers.astype(float)
+    trials = read_trials(simulated(tmp_path, capsys, TUTORIAL + OWN_FORM, 2))
+    rows = trials.rows[trials.rows["procedure"] == "mine"]
+    answers = rows.pivot(index="participant", columns="item", values="response").astype(float)
     expected = ((2 * answers["A"] - 1) - (2 * answers["B"] - 1)) / 2
     assert ratings(trials)[0].scores["D"].tolist() == pytest.approx(expected.tolist(), abs=1e-12)
 
@@ -287,12 +253,8 @@ def test_damaged_custom_form_is_rejected_with_its_place(tmp_path: Path) -> None:
         forms_of(tmp_path)
 
 
-WORDS = """
-[variants.word.a]
-stimulus = { frequency_hz = 60 }
-[variants.word.b]
-stimulus = { frequency_hz = 240 }
-"""
+WORDS = "variants.word.a.stimulus.frequency_hz = 60\nvariants.word.b.stimulus.frequency_hz = 240\n"
+BEFORE = '\n[inquiries.before]\nform = "mine"\nafter = "start"\n'
 
 
 @pytest.mark.parametrize("factor", ["", "words"])
@@ -301,13 +263,10 @@ def test_form_is_compared_within_conditions_only(
 ) -> None:
     text = TUTORIAL + OWN_FORM.replace('"mine"', '"mine"\nafter = "block"', 1)
     if factor:
-        text = text.replace("frequency_hz = [60, 240]", 'word = ["a", "b"]') + WORDS
-    (tmp_path / "study.toml").write_text(text + '\n[inquiries.before]\nform = "mine"\nafter = "start"\n')
-    call(capsys, "simulate", tmp_path / "study.toml", "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
-    status, errors, said = call(capsys, "analyse", tmp_path / "d")
-    assert (status, errors) == (0, "")
-    assert "3 of 9 scores without a condition" in said
-    [form] = ratings(read_trials(tmp_path / "d"))
+        text = WORDS + text.replace("frequency_hz = [60, 240]", 'word = ["a", "b"]')
+    data = simulated(tmp_path, capsys, text + BEFORE)
+    assert "3 of 9 scores without a condition" in output(capsys, "analyse", data)
+    [form] = ratings(read_trials(data))
     [name] = form.factors
     apart = form.scores[form.scores[name].isna()]
     assert (apart["n_answered"].tolist(), apart["D"].notna().tolist()) == ([2.0] * 3, [True] * 3)
@@ -316,7 +275,5 @@ def test_form_is_compared_within_conditions_only(
 
 def test_form_answered_twice_has_note_on_averaging(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = TUTORIAL + OWN_FORM.replace('"mine"', '"mine"\nafter = "session"', 1)
-    (tmp_path / "study.toml").write_text(text + '\n[inquiries.before]\nform = "mine"\nafter = "start"\n')
-    call(capsys, "simulate", tmp_path / "study.toml", "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
-    _, _, said = call(capsys, "analyse", tmp_path / "d")
-    assert "3 of 3 scores: each averages answers given at several times" in said
+    text = output(capsys, "analyse", simulated(tmp_path, capsys, text + BEFORE))
+    assert "3 of 3 scores: each averages answers given at several times" in text

@@ -1,9 +1,6 @@
-"""Tests of operating characteristics of statuses, at reduced size.
+"""Tests of operating characteristics of statuses (in full: the soak, and docs/reference/analysis.md).
 
-The soak runs them in full; results are in docs/reference/analysis.md.
-
-Tolerances are the numbers' own standard errors at 1e-4. Chances of settings differ: a mean of chances below a bound has
-at most the binomial's variance at the bound.
+Tolerances are standard errors at 1e-4. A mean of chances below a bound has at most the binomial's variance at it.
 """
 
 import math
@@ -30,11 +27,8 @@ AT_1E_4 = 3.72
 """One-sided normal quantile of 1e-4."""
 MANY = (40, 80, 160) if SOAK else (40,)
 FAR = ("2 below", "2 above")
-REDUCED = settings(
-    ("constant stimuli", "1 up 3 down", "weighted, 0.75", "QUEST", "QUEST+, threshold first"),
-    TASKS[1:3],
-    (INSIDE, *FAR),
-)
+RULES_TRIED = ("constant stimuli", "1 up 3 down", "weighted, 0.75", "QUEST", "QUEST+, threshold first")
+REDUCED = settings(RULES_TRIED, TASKS[1:3], (INSIDE, *FAR))
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +65,6 @@ def test_few_inner_thresholds_are_flat(outcomes) -> None:
 
 
 def test_mode_of_constant_stimuli_is_nearly_unbiased() -> None:
-    """Bias is within 0.1 standard deviations at six levels of 40 trials."""
     rng, n_sets, levels = np.random.default_rng(), 4000 if SOAK else 300, np.linspace(-2.5, 2.5, 6)
     curve = PsychometricFunction("normal", 0.3, 4.0, 0.5, 0.02)
     n_yes = rng.binomial(40, [curve.probability(float(x)) for x in levels], (n_sets, 6))
@@ -95,16 +88,14 @@ def test_adaptive_estimates_are_within_quarter_standard_deviation(outcomes) -> N
 def test_forced_choice_estimates_reach_their_goal_with_lapses(design) -> None:
     """The truth is normal with 2 % lapses; the fitted shape differs."""
     n_sets = 1000 if SOAK else 60
-    tables = estimates.outcomes_of(
-        n_sets, np.random.default_rng(), designs=[design], lapse_rates=[0.02], truths=["normal"]
-    )
+    options = {"designs": [design], "lapse_rates": [0.02], "truths": ["normal"]}
+    tables = estimates.outcomes_of(n_sets, np.random.default_rng(), **options)
     found = estimates.summary(pd.concat(tables)).set_index("fit").loc["now"]
     goal = 0.1 if design.n_trials == 120 else 0.25
     assert abs(found["bias"]) <= goal + AT_1E_4 / math.sqrt(0.8 * n_sets)
 
 
 def test_docs_have_the_tables_of_the_benchmark(outcomes) -> None:
-    """Compare heads, rows and numbers of tracks."""
     status_table = benchmark_module("bias_study").status_table
     docs = (ROOT / "docs" / "reference" / "analysis.md").read_text("utf-8")
     n_sets = int(re.search(r"python benchmarks/bias_study.py statuses --n (\d+)", docs)[1])

@@ -56,18 +56,10 @@ def legendre_rank(end, masses, weights, truth) -> float:
 
 @pytest.mark.parametrize(
     ("shape", "free_guess", "n_sets"),
-    [
-        ("normal", False, N_SETS),
-        ("gumbel", False, N_SETS),
-        pytest.param("logistic", True, N_SETS if SOAK else 60),
-    ],
+    [("normal", False, N_SETS), ("gumbel", False, N_SETS), pytest.param("logistic", True, N_SETS if SOAK else 60)],
 )
 def test_ranks_of_truths_from_the_prior_are_uniform(monkeypatch, shape, free_guess, n_sets) -> None:
-    """Simulation-based calibration (Talts et al. 2018).
-
-    Ranks of threshold, width, lapse rate (and guess rate) lie within a simultaneous Kolmogorov-Smirnov band at 1e-4,
-    whatever the status.
-    """
+    """Simulation-based calibration (Talts et al. 2018): Kolmogorov-Smirnov at 1e-4, whatever the status."""
     monkeypatch.setattr(shared_grid, "RATE_NODES", RATE_NODES if not free_guess else 14)
     monkeypatch.setattr(shared_grid, "STEP_SD", 0.3)
     rng = np.random.default_rng()

@@ -13,10 +13,17 @@ from scipy.integrate import dblquad
 from scipy.stats import multivariate_normal
 
 from tactometry.analysis.anova.bounded_fit import BoundedValues, fit_bounded, truncated_normal
-from tactometry.analysis.anova.censored import censored_anova
+from tactometry.analysis.anova.censored import (
+    CensoredAnova,
+    censored_anova,
+    censored_equivalence,
+    censored_group_pairs,
+    censored_pairs,
+)
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
 from tactometry.analysis.anova.group_means import group_table
-from tactometry.analysis.anova.split_plot import mixed_anova
+from tactometry.analysis.anova.post_hoc import equivalence, pairs
+from tactometry.analysis.anova.split_plot import group_pairs, mixed_anova
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.mixed_models.censored import censored_model
 from tactometry.errors import InvalidParameter
@@ -29,9 +36,6 @@ def alike(found: pd.DataFrame, peer: pd.DataFrame) -> None:
     for name in set(peer.columns) - {"Source", *MAUCHLY}:
         expected = pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-6, abs=1e-9, nan_ok=True)
         assert found[name].to_numpy(dtype=float) == expected, name
-
-
-# --- where nothing is censored
 
 
 @pytest.mark.parametrize("shape", [(5, 2), (8, 4), (6, 3, 4), (5, 2, 3, 2)])
@@ -60,11 +64,9 @@ def test_censored_means_equal_group_table_without_bounds() -> None:
     table = long_table(drawn((7, 3, 2), np.random.default_rng())).rename(columns={"subject": "participant"})
     found = censored_anova(open_ended(table), within=NAMES[:2], **(GIVEN | {"subject": "participant"})).means()
     peer = group_table(table.assign(status="ok"), NAMES[:2], "y")
+    assert found[[*NAMES[:2]]].to_numpy().tolist() == peer[[*NAMES[:2]]].to_numpy().tolist()
     for name in ("mean", "mean_low", "mean_high", "sd"):
         assert found[name].to_numpy() == pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-9)
-
-
-# --- bounds
 
 
 def test_censored_anova_with_one_factor_equals_censored_model() -> None:
@@ -77,19 +79,13 @@ def test_censored_anova_with_one_factor_equals_censored_model() -> None:
     sd = np.sqrt(peer.residual_variance)
     means = found.means()["mean"].to_numpy()
     if not peer.notes:
-        hard_case(
-            "means of conditions with bounds",
-            means / sd,
-            (first + np.array([0, *others])) / sd,
-            0.02,
-            against="quadrature",
-        )
+        expected = (first + np.array([0, *others])) / sd
+        hard_case("means of conditions with bounds", means / sd, expected, 0.02, against="quadrature")
         assert found.table.loc[0, "F"] == pytest.approx(peer.terms.loc[0, "F"], rel=0.05)
     assert found.design.n_censored == peer.n_censored == table["y"].isna().sum()
 
 
 def test_censored_likelihood_equals_numerical_integral() -> None:
-    """One participant has two bounds; the covariance is that of two factors."""
     rng = np.random.default_rng()
     y = rng.normal(size=(4, 4)) + rng.normal(size=(4, 1))
     low, high = y.copy(), y.copy()
@@ -117,19 +113,13 @@ def test_truncated_normal_points_have_exact_moments(low, high) -> None:
 
 
 def _log_mass(low: float, high: float) -> float:
+    low, high = (-high, -low) if low > 0 else (low, high)
     with mpmath.workdps(40):
-        return (
-            float(mpmath.log(mpmath.ncdf(-low) - mpmath.ncdf(-high)))
-            if low > 0
-            else float(mpmath.log(mpmath.ncdf(high) - mpmath.ncdf(low)))
-        )
+        return float(mpmath.log(mpmath.ncdf(high) - mpmath.ncdf(low)))
 
 
 def test_truncated_normal_points_change_continuously_with_bound() -> None:
-    """Regression test for a search that did not converge.
-
-    Points jumped as the end of the second value passed its mean (8 of 60 studies of six).
-    """
+    """Regression test: points jumped as a bound passed the mean, and the search did not converge."""
     covariance, ends = np.array([[1.0, 0.5], [0.5, 1.0]]), (np.zeros(2), np.full(2, np.inf))
     one, other = (truncated_normal(np.full(2, x), covariance, *ends).values for x in (-1e-6, 1e-6))
     assert np.abs(one - other).max() < 1e-4
@@ -161,32 +151,12 @@ def test_missing_value_is_not_counted_as_bound() -> None:
     found = censored_anova(holed, within="force", **GIVEN)
     assert (found.design.n_missing, found.design.n_censored) == (1, 0)
     assert censored_anova(holed.drop(index=5), within="force", **GIVEN).table["F"][0] == found.table["F"][0]
-    whole = found.table.loc[0, "ddof2"]
-    assert 3 * 7 < whole < 3 * 8
-
-
-def test_censored_anova_recovers_means_below_bounds() -> None:
-    """Errors are within the interval at 1e-4.
-
-    Sixty participants; in one condition a third of the values lie below the bound.
-    """
-    rng = np.random.default_rng()
-    truth = np.array([0.0, 1.0, 2.0])
-    values = truth + rng.normal(0, 1.5, (60, 1)) + rng.normal(0, 0.7, (60, 3))
-    found = censored_anova(cut(long_table(values), -0.7), within="force", **GIVEN).means()
-    error = (found["mean_high"] - found["mean_low"]) / 2 / 2.0
-    assert (np.abs(found["mean"] - truth) < 3.9 * error).all()
-    at_bounds = np.maximum(values, -0.7).mean(axis=0)
-    assert found["mean"][0] < at_bounds[0]
-
-
-# --- refusals
+    assert 3 * 7 < found.table.loc[0, "ddof2"] < 3 * 8
 
 
 def refused(table: pd.DataFrame, message: str, status: DesignStatus | None = None, **options) -> None:
-    with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}") as refusal:
+    with pytest.raises(UndefinedStatistic if status else InvalidParameter, match=f"^{re.escape(message)}") as refusal:
         censored_anova(table, **(GIVEN | {"within": "force"} | options))
-    assert status is None or isinstance(refusal.value, UndefinedStatistic)
     assert getattr(refusal.value, "status", None) == status
 
 
@@ -194,18 +164,14 @@ def test_unanswerable_designs_are_rejected() -> None:
     table = cut(long_table(drawn((8, 3), np.random.default_rng())), -9.0)
     first = table["force"] == 0
     bound = table.assign(y=table["y"].where(~first | (table["subject"] == 3)), high=table["high"].where(~first, 9.0))
-    refused(
-        bound,
-        "force = 0: found 1 known value, expected at least 2 in addition to bounds; remove this condition",
-        DesignStatus.TOO_FEW_KNOWN,
-    )
+    one_known = "force = 0: found 1 known value, expected at least 2 in addition to bounds; remove this condition"
+    refused(bound, one_known, DesignStatus.TOO_FEW_KNOWN)
     refused(table[table["subject"] < 2], "subject: found 2 participants", DesignStatus.TOO_FEW_PARTICIPANTS)
     refused(table[first], "force: found 1 value, expected at least 2", DesignStatus.ONE_LEVEL)
     refused(table.assign(y=3.0), "y: found the same value everywhere", DesignStatus.CONSTANT)
     refused(table.iloc[:0], "table: found no row", DesignStatus.NO_DATA)
-    refused(
-        table.assign(force=table["force"].where(table.index != 4)), "force, row 4: found nothing", DesignStatus.NO_NAME
-    )
+    unnamed = table.assign(force=table["force"].where(table.index != 4))
+    refused(unnamed, "force, row 4: found nothing", DesignStatus.NO_NAME)
     refused(pd.concat([table, table.iloc[:1]]), "subject = 0.0, force = 0.0: found 2 values, expected one in each cell")
     refused(table.assign(y="much"), "y, row 0: found much, expected a number or nothing")
     refused(table.assign(y=np.nan, low=2.0, high=1.0), "y, row 0: found the bounds 2 and 1")
@@ -224,15 +190,6 @@ def test_an_effect_without_error_has_no_f(seed) -> None:
     assert found["ddof2"].tolist() == pytest.approx([5, 10, 10])
 
 
-def test_means_are_labelled_by_cell() -> None:
-    keys = list(product("abcd", ("x", "y"), (1, 2)))
-    table = pd.DataFrame(keys, columns=["subject", "where", "force"])
-    table["y"] = np.random.default_rng().normal(size=len(table)) + 100 * (table["where"] == "y") + 10 * table["force"]
-    means = censored_anova(open_ended(table), within=["where", "force"], **GIVEN).means()
-    assert means[["where", "force"]].values.tolist() == [["x", 1], ["x", 2], ["y", 1], ["y", 2]]
-    assert means["mean"].round(-1).tolist() == [10, 20, 110, 120]
-
-
 def test_effect_is_refused_below_one_degree_of_freedom() -> None:
     # One participant is known in both conditions; three values are missing, four have an upper bound.
     known = [None, 1.10, 2.84, 0.51, None, None, None, 0.48, None, None, 2.30, None]
@@ -241,3 +198,61 @@ def test_effect_is_refused_below_one_degree_of_freedom() -> None:
     with pytest.raises(UndefinedStatistic, match="degrees of freedom") as refusal:
         censored_anova(table, dependent="y", low="low", high="high", within="force_n", subject="who")
     assert refusal.value.status is DesignStatus.NO_MAXIMUM
+
+
+COMPARED = ["difference", "difference_low", "simultaneous_high", "t", "df", "p_unc", "p_corr"]
+
+
+def two_factors() -> tuple[pd.DataFrame, CensoredAnova]:
+    table = long_table(drawn((7, 3, 2), np.random.default_rng()))
+    return table, censored_anova(open_ended(table), within=["force", "freq"], **GIVEN)
+
+
+@pytest.mark.parametrize(("factor", "by"), [("force", None), ("freq", None), ("force", "freq"), ("freq", "force")])
+def test_censored_pairs_equal_paired_t_tests_without_bounds(factor, by) -> None:
+    table, found = two_factors()
+    peer = pairs(table, dependent="y", factor=factor, by=by, subject="subject")
+    own = censored_pairs(found, factor, by=by)
+    keys = [*([by] if by else []), "a", "b"]
+    table = own.set_index(keys).loc[peer.set_index(keys).index]
+    for name in [*COMPARED, "dz"]:
+        assert table[name].to_numpy(dtype=float) == pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-6)
+
+
+@pytest.mark.parametrize("by", [None, "freq"])
+def test_censored_group_pairs_equal_welch_without_bounds(by) -> None:
+    table = of_groups((5, 8, 6), 3, np.random.default_rng())
+    found = censored_anova(open_ended(table), within="freq", between="hand", **GIVEN)
+    own = censored_group_pairs(found, by=by)
+    peer = group_pairs(table, dependent="y", between="hand", subject="subject", by=by)
+    for name in [*COMPARED, "g", "n_a", "n_b"]:
+        assert own[name].to_numpy(dtype=float) == pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-6)
+
+
+def test_censored_equivalence_equals_equivalence_without_bounds() -> None:
+    table, found = two_factors()
+    own = censored_equivalence(found, "force", bound=2.0)
+    peer = equivalence(table, dependent="y", factor="force", subject="subject", bound=2.0)
+    for name in ("difference", "low", "high", "t_low", "p"):
+        assert own[name].to_numpy() == pytest.approx(peer[name].to_numpy(), rel=1e-6)
+    assert own.attrs["p_all"] == pytest.approx(peer.attrs["p_all"], rel=1e-6)
+
+
+def test_bounds_cost_degrees_of_freedom_and_width() -> None:
+    rng = np.random.default_rng()
+    table = long_table(rng.normal(size=(12, 3)) + rng.normal(size=(12, 1)))
+    known = censored_pairs(censored_anova(open_ended(table), within="force", **GIVEN), "force")
+    bounds = censored_pairs(censored_anova(cut(table, -1.0), within="force", **GIVEN), "force")
+    assert (bounds["df"] < known["df"]).all()
+    assert known["df"].to_numpy() == pytest.approx(11)
+    assert bounds["status"].tolist() == ["ok"] * 3
+    assert bounds["bf10"].isna().all()
+
+
+def test_pair_with_zero_error_has_no_test() -> None:
+    rng = np.random.default_rng()
+    values = rng.normal(size=(6, 1)) + np.array([0.0, 2.0, 0.0]) + np.array([0, 0, 1]) * rng.normal(size=(6, 1))
+    found = censored_pairs(censored_anova(open_ended(long_table(values)), within="force", **GIVEN), "force")
+    assert found["status"].tolist() == ["zero_error", "ok", "ok"]
+    assert found["difference"][0] == pytest.approx(2.0)
+    assert found.loc[0, ["t", "p_corr"]].isna().all()

@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pandas as pd
-from command_line import call
+from command_line import output
 from places import RECORDED
 
 from tactometry.analysis.pipeline import analyse_trials
@@ -32,17 +32,11 @@ def unanswered(name: str, root: Path, form: str, participants: tuple[str, ...]) 
     return copy
 
 
-# --- questionnaires
-
-
 def test_unanswered_questionnaire_has_warning(tmp_path, capsys) -> None:
-    people = tuple(sorted(set(read_trials(RECORDED / "hybrid-button").rows["participant"])))
-    root = unanswered("hybrid-button", tmp_path, "nasa-tlx", people)
-    status, _, out = call(capsys, "analyse", root, "--json")
-    of = f"{len(people)} participants" if len(people) > 1 else "1 participant"
-    assert status == 0
-    found = json.loads(out)
-    assert f"NASA Task Load Index (raw): none of {of} answered, so there is no score" in found["warnings"]
+    everyone = tuple(set(read_trials(RECORDED / "hybrid-button").rows["participant"]))
+    found = json.loads(output(capsys, "analyse", unanswered("hybrid-button", tmp_path, "nasa-tlx", everyone), "--json"))
+    of = f"none of {len(everyone)} participants answered, so there is no score"
+    assert f"NASA Task Load Index (raw): {of}" in found["warnings"]
     assert set(found["questionnaires"]) == {"realism-likert"}
 
 
@@ -59,29 +53,18 @@ def test_rated_levels_have_unit_in_procedure_text() -> None:
     assert "dB re 1 um" in found.study.procedure.partition("Levels were chosen")[2]
 
 
-# --- choices
-
-
-def test_levels_of_same_different_trials_have_their_unit() -> None:
+def test_same_different_page_has_units_and_aligned_text() -> None:
     found = analysis_of(RECORDED / "same-different")
-    page, said = render(found), " ".join(summary_text(found).split())
+    page = render(found)
     assert found.unit == "dB re 1 V"
-    assert "levels in dB re 1 V" in page
-    assert ">level (dB re 1 V)<" in page
-    assert "d′" in said
-
-
-def test_text_cells_are_left_aligned() -> None:
-    page = render(analysis_of(RECORDED / "same-different"))
-    assert '<td class="text">all answers alike</td>' in page
+    for text in ("levels in dB re 1 V", ">level (dB re 1 V)<", '<td class="text">all answers alike</td>'):
+        assert text in page
     assert ".text { text-align: left; }" in page
+    assert "d′" in summary_text(found)
 
 
 def test_identical_answers_have_no_sensitivity(tmp_path) -> None:
-    """The log-linear rule alone gave d' = 1.2.
-
-    There were no hits in 4 and no false alarms in 15.
-    """
+    """No hits in 4, no false alarms in 15: the log-linear rule alone gave d' = 1.2."""
     rows = [f"P1,{level},same_different,{felt},{catch}" for level, felt, catch, n in
             (("10", 0, 0, 4), ("20", 1, 0, 4), ("", 0, 1, 15)) for _ in range(n)]  # fmt: skip
     file = tmp_path / "t.csv"
@@ -100,23 +83,14 @@ def test_preference_items_have_unit_of_their_factor() -> None:
     assert set(found.tables["preference"]["item"]) == {"60", "120", "240", "first of the pair"}
 
 
-# --- the rule's own estimate
-
-
 def test_methods_describe_rule_estimate(whole) -> None:
-    told = analysis_of(RECORDED / "electrovibration-threshold").methods
-    assert (
-        "levels (mean of an even number of reversals, without the first two or three) is reported next to the fit"
-        in told
-    )
-    assert "posterior mean)" not in told
+    methods = analysis_of(RECORDED / "electrovibration-threshold").methods
+    assert "levels (mean of an even number of reversals, without the first two or three) is reported next to" in methods
+    assert "posterior mean)" not in methods
     assert "procedure that chose the levels" not in analysis_of(whole).methods
 
 
-# --- rates
-
-
 def test_rate_captions_name_single_participant(whole) -> None:
-    told = {figure.name: figure.caption for figure in figures_of(analysis_of(whole))}
-    assert told["rates_yes_no"] == "Rate of “yes” by level, one participant."
-    assert told["mean_rates_yes_no"] == "Rate of “yes” over all levels, one participant."
+    captions = {figure.name: figure.caption for figure in figures_of(analysis_of(whole))}
+    assert captions["rates_yes_no"] == "Rate of “yes” by level, one participant."
+    assert captions["mean_rates_yes_no"] == "Rate of “yes” over all levels, one participant."

@@ -1,9 +1,6 @@
-"""Tests of just noticeable differences of participants who lapse.
+"""Tests of just noticeable differences of participants who lapse (in full: the soak, docs/reference/analysis.md).
 
-They cover free and equal asymptotes, and the coverage of intervals with and without lapses. The soak runs them in full;
-results are in docs/reference/analysis.md.
-
-Tolerances are the numbers' own standard errors at 1e-4.
+Tolerances are standard errors at 1e-4.
 """
 
 import numpy as np
@@ -46,7 +43,6 @@ def found() -> pd.DataFrame:
 @pytest.mark.slow
 @pytest.mark.parametrize(("quantity", "least", "most"), [("difference", LEAST, MOST), ("equality", 0.93, 1.0)])
 def test_comparison_intervals_have_stated_coverage(found, quantity, least, most) -> None:
-    """Coverage is right for each participant and overall, within tolerance."""
     covered, n = (found["covered"] * found["n"])[quantity], found["n"][quantity]
     assert (covered >= binom.ppf(1e-4, n, least)).all()
     assert (covered <= binom.ppf(1 - 1e-4, n, most)).all()
@@ -101,16 +97,12 @@ def test_shared_and_single_grids_agree_with_sum(some) -> None:
 
 
 def test_reversed_answers_have_same_difference() -> None:
-    """Swap "more" and "less" and negate the levels.
-
-    With equal asymptotes a comparison has no preferred end.
-    """
+    """Swap "more" and "less" and negate the levels: no end is preferred."""
     n_more = np.array([1, 2, 5, 9, 16, 19, 18])
     one, other = fit(LEVELS, n_more, 20, **EQUAL), fit(LEVELS, (20 - n_more)[::-1], 20, **EQUAL)
     assert other.threshold == pytest.approx(-one.threshold, abs=1e-6)
-    assert (other.width, other.width_low, other.width_high) == pytest.approx(
-        (one.width, one.width_low, one.width_high), rel=1e-3
-    )
+    for name in ("width", "width_low", "width_high"):
+        assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-3)
     assert one.guess_rate == one.lapse_rate
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import output
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
@@ -21,6 +20,8 @@ HEADER = ("participant", "session", "trial", "force_n", "procedure", "level", "l
 FORCES = (0.5, 1.0, 2.0)
 LEVELS_DB = (6.0, 12.0, 18.0, 24.0)
 SD = 1.2
+CITED = ("<li>Stevens, S. S.", "<li>Lane", "<li>Rouder")
+SET, NUMBER = r"the level that was set, within 1e\+15, or nothing", r"a number from 0 to 1e\+15, or nothing"
 
 
 def written(path: Path, rows) -> Path:
@@ -41,7 +42,7 @@ def settings(rng, n_repeats=10) -> list[tuple]:
 @pytest.fixture(scope="module")
 def adjusted(tmp_path_factory) -> tuple[list[tuple], Analysis]:
     rows = settings(np.random.default_rng())
-    lost = [("P0", 0.5, 10, "dB re 1 V", "adjustment", 99.0, 0), ("P0", 0.5, 10, "dB re 1 V", "adjustment", "", 1)]
+    lost = [("P0", 0.5, 10, "dB re 1 V", "adjustment", *answer) for answer in ((99.0, 0), ("", 1))]
     return rows, analyse(written(tmp_path_factory.mktemp("adjusted") / "adjusted.csv", rows + lost))
 
 
@@ -64,9 +65,8 @@ def test_settings_are_compared_as_differences_in_decibels(adjusted) -> None:
     assert outcome.anova is not None
     difference = outcome.pairs["force_n"].iloc[1]["difference"]
     assert abs(difference + 3) < 4.5 * SD * np.sqrt(2 / 60)
-    assert (
-        f"{difference:.2f} dB, 95 % simultaneous CI" in outcome_sentences(outcome, "dB re 1 V")["Pairs of force_n"][1]
-    )
+    sentence = outcome_sentences(outcome, "dB re 1 V")["Pairs of force_n"][1]
+    assert f"{difference:.2f} dB, 95 % simultaneous CI" in sentence
 
 
 def test_the_report_shows_settings_without_rates_or_curves(adjusted) -> None:
@@ -82,20 +82,12 @@ def test_the_report_shows_settings_without_rates_or_curves(adjusted) -> None:
 
 def numbers(unit, n_participants=4, noise=0.0, rng=None) -> list[tuple]:
     """Return magnitudes k A ** (0.6 + 0.1 force), k per participant."""
-    rng = rng or np.random.default_rng()
-    cells = product(range(n_participants), FORCES, LEVELS_DB, range(3))
-    return [
-        (
-            f"P{p}",
-            force,
-            level if unit.startswith("dB") else 10 ** (level / 20),
-            unit,
-            "magnitude",
-            (1 + 5 * p) * 10 ** (level / 20 * (0.6 + 0.1 * force)) * np.exp(noise * rng.normal()),
-            1,
-        )
-        for p, force, level, _ in cells
-    ]
+    rng, rows = rng or np.random.default_rng(), []
+    for p, force, level, _ in product(range(n_participants), FORCES, LEVELS_DB, range(3)):
+        shown = level if unit.startswith("dB") else 10 ** (level / 20)
+        magnitude = (1 + 5 * p) * 10 ** (level / 20 * (0.6 + 0.1 * force)) * np.exp(noise * rng.normal())
+        rows.append((f"P{p}", force, shown, unit, "magnitude", magnitude, 1))
+    return rows
 
 
 @pytest.mark.parametrize("unit", ["dB re 1 V", "V"])
@@ -135,13 +127,7 @@ def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
     found = analyse(written(tmp_path / "t.csv", numbers("V", noise=0.02)))
     assert [figure.name for figure in figures_of(found)] == ["exponent", "magnitude_levels"]
     page = render(found)
-    for text in (
-        "<h2>Exponent of magnitude estimates</h2>",
-        "Level (V)",
-        "<li>Stevens, S. S.",
-        "<li>Lane",
-        "<li>Rouder",
-    ):
+    for text in ("<h2>Exponent of magnitude estimates</h2>", "Level (V)", *CITED):
         assert text in page
     assert "<li>Moscatelli" not in page
     assert outcome_sentences(found.outcomes[0], "V")["Pairs of force_n"][0].startswith("1 N − 0.5 N: 0.0")
@@ -163,12 +149,8 @@ def test_exponent_is_missing_with_too_few_levels(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("task", "answer", "expected"),
     [
-        ("adjustment", "loud", r"the level that was set, within 1e\+15, or nothing"),
-        ("adjustment", "1e16", r"the level that was set, within 1e\+15, or nothing"),
-        ("adjustment", "1_0", r"the level that was set, within 1e\+15, or nothing"),
-        ("adjustment", "inf", r"the level that was set, within 1e\+15, or nothing"),
-        ("magnitude", "-3", r"a number from 0 to 1e\+15, or nothing"),
-        ("magnitude", "nan", r"a number from 0 to 1e\+15, or nothing"),
+        *(("adjustment", answer, SET) for answer in ("loud", "1e16", "1_0", "inf")),
+        *(("magnitude", answer, NUMBER) for answer in ("-3", "nan")),
         ("preference", "3", r"1 \(item was preferred\), 2 \(item_b\) or nothing"),
     ],
 )
@@ -185,39 +167,16 @@ def test_zero_magnitudes_are_reported_without_exponent(tmp_path) -> None:
     assert "magnitude_levels" not in found.tables
 
 
-def test_missing_condition_is_first_warning(tmp_path) -> None:
-    rows = [row for row in numbers("V", noise=0.1) if row[:2] != ("P1", 1.0)]
-    found = analyse(written(tmp_path / "t.csv", rows))
-    assert found.warnings[0] == "1 of 12 cells of magnitude have no valid trial (P1 1 N)"
-
-
-def test_measurements_alone_are_rejected(tmp_path) -> None:
-    table = written(tmp_path / "m.csv", [("P1", 0.5, 10, "dB re 1 um", "measurement", "", 1)])
-    with pytest.raises(InvalidFile, match="no valid answer to a task"):
-        analyse(table)
-    table.write_text(table.read_text().replace("measurement,,", "measurement,7,"))
-    with pytest.raises(InvalidFile, match="no valid answer to a task"):
+@pytest.mark.parametrize("answer", ["", "7"])
+def test_measurements_alone_are_rejected(tmp_path, answer) -> None:
+    table = written(tmp_path / "m.csv", [("P1", 0.5, 10, "dB re 1 um", "measurement", answer, 1)])
+    with pytest.raises(InvalidFile, match=r"no valid answer to a task \(yes_no, forced_choice, comparison, same_diff"):
         analyse(table)
 
 
 @pytest.mark.parametrize(("rows", "is_compared"), [(settings, True), (None, False)], ids=["settings", "exponents"])
 def test_equivalence_applies_to_levels_only(tmp_path, rows, is_compared) -> None:
-    """An exponent has another unit."""
     rng = np.random.default_rng()
     path = written(tmp_path / "t.csv", rows(rng) if rows else numbers("dB re 1 V", noise=0.1, rng=rng))
     (outcome,) = analyse(path, plan=AnalysisPlan(equivalence={"force_n": 50.0})).outcomes
     assert ("force_n" in outcome.equivalence) == is_compared
-
-
-def test_long_folded_table_refers_to_csv(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    rows = [
-        f"P{who},{level},dB re 1 V,same_different,{catch},{int(level > 41 - who or (who == 2 and catch))},38"
-        for who in range(1, 9)
-        for level in (40, 42, 44)
-        for catch in (0, 0, 1)
-    ]
-    table = tmp_path / "trials.csv"
-    table.write_text("\n".join(["participant,level,level_unit,task,catch,response,standard_level", *rows]), "utf-8")
-    text = output(capsys, "analyse", table, "--within", "")
-    assert "same or different (d′ under both rules): too wide for 80 columns" in text

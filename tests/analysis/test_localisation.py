@@ -30,10 +30,7 @@ DISTANCES_M = (0.004, 0.008, 0.012, 0.016, 0.024, 0.032)
 
 
 def answers(counts, m=2, participant="P01", force_n=1.0):
-    """Return rows of answers with given numbers correct by distance.
-
-    Targets take turns; the wrong answer is the next place.
-    """
+    """Return answers, this many correct by distance; targets take turns, the wrong answer is the next place."""
     rows = []
     for distance_m, (right, n) in counts.items():
         for k in range(n):
@@ -73,7 +70,6 @@ def test_localisation_errors_are_counted_by_distance():
 
 @pytest.mark.parametrize("m", [2, 3, 9])
 def test_resolution_is_halfway_point_above_chance(m):
-    """Fit the expected counts of a Weibull function."""
     n, alpha, beta = 9000, 0.014, 2.0
     rates = {x: 1 / m + (1 - 1 / m) * (1 - np.exp(-((x / alpha) ** beta))) for x in DISTANCES_M}
     found = resolutions(answers({x: (round(n * rate), n) for x, rate in rates.items()}, m), FACTORS)
@@ -95,14 +91,6 @@ def drawn(n, rng, m=3, code="P01"):
 HALFWAY_M = ALPHA_M * log(2) ** (1 / BETA)
 
 
-def test_known_resolution_and_rates_are_recovered():
-    (found,) = resolutions(drawn(2000, np.random.default_rng()), FACTORS).to_dict("records")
-    standard_error_m = (found["resolution_m_high"] - found["resolution_m_low"]) / (2 * norm.ppf(0.975))
-    assert abs(found["resolution_m"] - HALFWAY_M) <= AT_1E_4 * standard_error_m
-    assert found["guess_rate"] == pytest.approx(1 / 3)
-    assert found["lapse_rate"] == pytest.approx(LAPSES, abs=AT_1E_4 * sqrt(LAPSES * (1 - LAPSES) / 4000))
-
-
 def test_resolution_intervals_have_nominal_coverage():
     rng, n = np.random.default_rng(), 400 if SOAK else 100
     each = resolutions(pd.concat([drawn(30, rng, code=f"P{k:03}") for k in range(n)], ignore_index=True), FACTORS)
@@ -122,32 +110,22 @@ def test_guess_rate_follows_alternatives_of_condition():
 
 
 def test_misfit_of_resolution_has_warning():
-    """The rates have a floor above the guess rate and a step.
-
-    This occurs if two places differ in strength at any distance.
-    """
-    counts = dict(
-        zip(DISTANCES_M, [(186, 300), (180, 300), (189, 300), (190, 300), (288, 300), (291, 300)], strict=True)
-    )
-    rows = answers(counts, 3)
+    """A floor above the guess rate and a step occur if two places differ in strength."""
+    rows = answers(dict(zip(DISTANCES_M, ((k, 300) for k in (186, 180, 189, 190, 288, 291)), strict=True)), 3)
     (found,) = resolutions(rows, FACTORS).to_dict("records")
     assert found["deviance_p"] <= 0.01
     assert "deviance" in found["misfit"]
-    (said,) = [line for line in warnings_of_answers(rows) if "test of deviance" in line]
-    assert said.startswith("1 of 1 fitted functions have p <= 0.01 in the test of deviance")
-
-
-def warnings_of_answers(rows):
-    each = resolutions(rows, FACTORS)
-    return list(goodness_warnings(each, conditions_of_fits(each)))
+    warnings = goodness_warnings(resolutions(rows, FACTORS), conditions_of_fits(resolutions(rows, FACTORS)))
+    (text,) = [line for line in warnings if "test of deviance" in line]
+    assert text.startswith("1 of 1 fitted functions have p <= 0.01 in the test of deviance")
 
 
 def test_resolution_below_distances_is_missing_with_status():
-    found = resolutions(answers(dict.fromkeys(DISTANCES_M, (60, 60))), FACTORS)
+    rows = answers(dict.fromkeys(DISTANCES_M, (60, 60)))
+    found = resolutions(rows, FACTORS)
     assert found["resolution_m"].isna().all()
     assert found["status"].tolist() == ["threshold_below_range"]
-    mean = mean_resolutions(answers(dict.fromkeys(DISTANCES_M, (60, 60))), FACTORS)
-    assert mean[["n", "n_missing"]].to_numpy().tolist() == [[0, 1]]
+    assert mean_resolutions(rows, FACTORS)[["n", "n_missing"]].to_numpy().tolist() == [[0, 1]]
 
 
 def test_conditions_have_separate_resolutions():
@@ -180,81 +158,47 @@ def test_confusions_need_no_distances():
     assert errors(rows, FACTORS).empty
 
 
-APART_MM = (2, 3, 4, 5, 6.5, 8, 11)
 STUDY = """
 name = "one-finger"
 title = "A"
 description = "It."
-[factors]
-place = ["under", "beside"]
-distance_m = [{levels}]
+factors = {{ place = ["under", "beside"], distance_m = [{levels}] }}
+{variants}
+touch = {{ kind = "press", force_n = 1.0, hold_s = 0.3, timeout_s = 10.0 }}
+task = {{ kind = "localisation", over = "place" }}
+plan.interleave = ["distance_m"]
+procedure = {{ kind = "constant_stimuli", levels = [26.0], repeats = {repeats} }}
+limits.voltage_peak_v = 1e3
+sensation.fingers = ["under"]
+observer = {{ exponent = 2.0, between_sd_db = 0.0, lapse_rate = 0.0 }}
 [stimulus]
 kind = "foci"
 f_min_hz = 1e3
 f_max_hz = 10e3
 voltage_max_v = 1e3
-[stimulus.setup]
-n_transducers = 16
-modes_to_hz = 11e3
-rate_hz = 50e3
-[stimulus.places]
-under = {{}}
-beside = {{}}
-{variants}
-[touch]
-kind = "press"
-force_n = 1.0
-hold_s = 0.3
-timeout_s = 10.0
-[task]
-kind = "localisation"
-over = "place"
-[plan]
-interleave = ["distance_m"]
-[procedure]
-kind = "constant_stimuli"
-levels = [26.0]
-repeats = {repeats}
-[limits]
-voltage_peak_v = 1e3
-[sensation]
-fingers = ["under"]
-[observer]
-exponent = 2.0
-between_sd_db = 0.0
-lapse_rate = 0.0
+setup = {{ n_transducers = 16, modes_to_hz = 11e3, rate_hz = 50e3 }}
+places = {{ under = {{}}, beside = {{}} }}
 """
 
 
 def study(repeats):
+    distances_m = [mm / 1e3 for mm in (2, 3, 4, 5, 6.5, 8, 11)]
     variants = "\n".join(
-        f'[variants.distance_m."{mm / 1e3:g}".stimulus.places]\nbeside = {{ x_m = {0.121 + mm / 1e3:.4f} }}'
-        for mm in APART_MM
+        f'variants.distance_m."{x:g}".stimulus.places.beside = {{ x_m = {0.121 + x:.4f} }}' for x in distances_m
     )
-    levels = ", ".join(f"{mm / 1e3:g}" for mm in APART_MM)
-    return STUDY.format(levels=levels, variants=variants, repeats=repeats)
+    return STUDY.format(levels=", ".join(f"{x:g}" for x in distances_m), variants=variants, repeats=repeats)
 
 
 def chances(text):
-    """Return the rate of correct answers by distance.
-
-    It is Phi(D / 2) from the field at the finger.
-    """
-    experiment, found = wire(parse(text.encode(), "s.toml"), "s.toml"), {}
+    """Return the rate of correct answers by distance, Phi(D / 2) from the field at the finger."""
     by_distance = {}
-    for cell in experiment.cells.values():
+    for cell in wire(parse(text.encode(), "s.toml"), "s.toml").cells.values():
         levels = cell.sensation.fingers_db(cell.stimulus.at(26.0), Contact(1.0))
         by_distance.setdefault(cell.condition.factors["distance_m"], []).append(1.645 * 10 ** (np.array(levels) / 10))
-    for distance_m, (under, beside) in by_distance.items():
-        found[distance_m] = norm.cdf(np.linalg.norm(under - beside) / 2)
-    return found
+    return {x: norm.cdf(np.linalg.norm(under - beside) / 2) for x, (under, beside) in by_distance.items()}
 
 
 def test_resolution_of_simulated_participant_is_recovered(tmp_path):
-    """Simulate a study file and analyse it.
-
-    The estimate equals the resolution of the plate's field within its error.
-    """
     text = study(repeats=40)
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     simulated = "simulate", tmp_path / "study.toml", "--participants", "1", "--out", tmp_path / "data"
@@ -268,20 +212,25 @@ def test_resolution_of_simulated_participant_is_recovered(tmp_path):
     assert abs(found["resolution_m"] - known_m) <= AT_1E_4 * standard_error_m
 
 
+def people(rng, **columns):
+    """Return the trials of five participants, with their correct answers."""
+    rows = pd.concat([drawn(12, rng, 2, f"P{k}").assign(**columns) for k in range(5)], ignore_index=True)
+    correct = (rows["target"].astype(str) == rows["response"]).astype(int)
+    return rows.assign(task="localisation", valid=1, correct=correct)
+
+
+def numbered(path, rows):
+    rows.assign(trial=rows.groupby("participant").cumcount() + 1).to_csv(path, index=False)
+    return path
+
+
 def test_rates_of_participants_are_compared_between_distances(tmp_path):
-    """Compare with the ANOVA of statsmodels, without a correction."""
-    rng = np.random.default_rng(4)
-    people = [drawn(12, rng, 2, f"P{k}").assign(task="localisation", valid=1, trial=1) for k in range(5)]
-    rows = pd.concat(people, ignore_index=True)
-    rows["trial"] = rows.groupby("participant").cumcount() + 1
-    rows["correct"] = (rows["target"].astype(str) == rows["response"]).astype(int)
-    rows.drop(columns="force_n").to_csv(tmp_path / "t.csv", index=False)
-    found = analyse(tmp_path / "t.csv", within=("place", "distance_m"), report=tmp_path / "t.html")
-    (outcome,) = found.outcomes
+    rows = people(np.random.default_rng(4))
+    path = numbered(tmp_path / "t.csv", rows.drop(columns="force_n"))
+    (outcome,) = analyse(path, within=("place", "distance_m"), report=tmp_path / "t.html").outcomes
     page = (tmp_path / "t.html").read_text("utf-8")
-    assert "Participants: localisation (30 rows)" in page  # theirs, not those of all together
-    assert "Goodness of fit was tested" in page
-    assert "Wichmann" in page
+    for text in ("Participants: localisation (30 rows)", "Goodness of fit was tested", "Wichmann"):
+        assert text in page
     table = rates_of_participants(rows, FACTORS)
     reference = AnovaRM(table, "rate_correct", "participant", within=["separation_m"]).fit().anova_table
     found = outcome.anova.set_index("Source").loc["separation_m"]
@@ -291,18 +240,10 @@ def test_rates_of_participants_are_compared_between_distances(tmp_path):
 
 
 def test_rates_by_distance_have_no_force_model(tmp_path):
-    """Applied force is known by factor only, not by distance."""
     rng = np.random.default_rng()
-    people = [
-        drawn(12, rng, 2, f"P{k}").assign(force_n=force_n, force_mean_n=force_n * rng.uniform(0.9, 1.1))
-        for k in range(5)
-        for force_n in (0.5, 2.0)
-    ]
-    rows = pd.concat(people, ignore_index=True).assign(task="localisation", valid=1)
-    rows["trial"] = rows.groupby("participant").cumcount() + 1
-    rows["correct"] = (rows["target"].astype(str) == rows["response"]).astype(int)
-    rows.to_csv(tmp_path / "t.csv", index=False)
-    found = analyse(tmp_path / "t.csv", within=FACTORS)
+    rows = pd.concat([people(rng, force_n=force_n) for force_n in (0.5, 2.0)], ignore_index=True)
+    rows = rows.assign(force_mean_n=rows["force_n"] * rng.uniform(0.9, 1.1, len(rows)))
+    found = analyse(numbered(tmp_path / "t.csv", rows), within=FACTORS)
     (outcome,) = found.outcomes
     assert outcome.factors == ("force_n", "separation_m")
     assert "force" in found.tables

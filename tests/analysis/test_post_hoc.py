@@ -1,4 +1,4 @@
-"""Tests of paired comparisons, equivalence and rank tests."""
+"""Tests of paired comparisons, equivalence and rank tests, and of the sentences of results."""
 
 import re
 
@@ -13,6 +13,10 @@ from scipy import stats
 from soak import SOAK
 
 from tactometry.analysis.anova.post_hoc import adjusted_p, bayes_factor, dz_interval, equivalence, evidence, pairs
+from tactometry.analysis.anova.within_subjects import checks, permutation_test, repeated_measures
+from tactometry.analysis.mixed_models.linear import mixed_model
+from tactometry.analysis.report.sentences import table_sentences
+from tactometry.analysis.wording import p_text, share_text
 from tactometry.errors import InvalidParameter
 
 
@@ -26,15 +30,9 @@ def found(published) -> pd.DataFrame:
     return pairs(published, dependent="y", factor="freq", subject="subject").set_index(["a", "b"])
 
 
-# --- pairs
-
-
-def test_published_pairs(found) -> None:
+def test_published_pairs_and_holm_correction(found) -> None:
     assert found.index.tolist() == [(60, 120), (60, 240), (60, 480), (120, 240), (120, 480), (240, 480)]
     assert -found["t"].to_numpy() == pytest.approx([28.5269, 33.4838, 46.8781, 17.4125, 5.7537, -8.4913], abs=5e-5)
-
-
-def test_published_holm_correction(found) -> None:
     assert found.loc[(120, 480), "p_corr"] == pytest.approx(6.958e-4, rel=1e-3)
     assert found.loc[(240, 480), "p_corr"] == pytest.approx(1.244e-4, rel=1e-3)
 
@@ -47,7 +45,6 @@ def test_corrections_equal_pingouin_and_skip_missing_p(correction) -> None:
 
 
 def test_pairs_equal_scipy_and_pingouin() -> None:
-
     values = drawn((12, 2), np.random.default_rng())
     row = pairs(any_table(values), dependent="y", factor="force", subject="subject").iloc[0]
     peer = stats.ttest_rel(values[:, 1], values[:, 0])
@@ -76,13 +73,12 @@ def test_dz_interval_excludes_half_alpha_per_side(t, n) -> None:
     assert stats.nct.cdf(t, n - 1, high * np.sqrt(n)) == pytest.approx(0.025, abs=1e-6)
 
 
-def test_identical_differences_have_no_test(recwarn) -> None:
+def test_identical_differences_have_no_test() -> None:
     values = np.arange(5.0)[:, None] + np.array([0.0, 2.0, 2.0])
     table = pairs(any_table(values), dependent="y", factor="force", subject="subject")
     assert table["status"].tolist() == ["zero_error"] * 3
     assert table["difference"].tolist() == [2.0, 2.0, 0.0]
     assert table[["t", "p_unc", "p_corr", "bf10"]].isna().to_numpy().all()
-    assert not recwarn.list
 
 
 @pytest.mark.parametrize("scale", [1e-300, 1e300])
@@ -98,12 +94,6 @@ def test_hard_scales_have_the_same_pairs(published, found, scale) -> None:
     tests = [equivalence(each, bound=1.5 * unit, **given) for each, unit in ((table, scale), (published, 1.0))]
     assert tests[0]["p"].to_numpy() == pytest.approx(tests[1]["p"].to_numpy(), rel=1e-9)
     assert tests[0]["high"].to_numpy() == pytest.approx(tests[1]["high"].to_numpy() * scale, rel=1e-9)
-
-
-def test_refuses_a_correction_it_does_not_know(published) -> None:
-    message = re.escape("correction: found 'holms', expected one of holm, bonferroni")
-    with pytest.raises(InvalidParameter, match=message):
-        pairs(published, dependent="y", factor="freq", subject="subject", correction="holms")
 
 
 @pytest.mark.parametrize(
@@ -134,10 +124,7 @@ def test_bayes_factors_equal_pingouin_at_moderate_t(t) -> None:
 @pytest.mark.parametrize("n", [3, 6, 40])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_dz_interval_is_continuous_for_vast_effects(n, sign) -> None:
-    """Regression test: intervals took 15 s for three participants.
-
-    From t = 1e6 on they were the effect itself.
-    """
+    """Regression test: from t = 1e6 on intervals were the effect itself."""
     at = 1e4 * np.sqrt(n - 1)
     near, far = (np.array(dz_interval(sign * t, n, 0.95)) / t for t in (0.999 * at, 1.001 * at))
     assert far == pytest.approx(near, rel=1e-5)
@@ -157,11 +144,7 @@ def test_evidence_has_a_label(bf10) -> None:
     assert evidence(bf10).endswith("no difference" if bf10 < 1 else "a difference")
 
 
-# --- equivalence
-
-
 def test_equivalence_equals_pingouin() -> None:
-
     values = drawn((14, 2), np.random.default_rng())
     row = equivalence(any_table(values), dependent="y", factor="force", subject="subject", bound=1.5).iloc[0]
     peer = pingouin.tost(values[:, 1], values[:, 0], bound=1.5, paired=True)
@@ -187,19 +170,140 @@ def test_equivalence_error_rate_at_bound_is_alpha() -> None:
     assert claims / n_studies <= 0.05 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
 
 
-@pytest.mark.parametrize("bound", [0.0, -1.0, np.nan, np.inf])
-def test_equivalence_rejects_invalid_bound(published, bound) -> None:
-    with pytest.raises(InvalidParameter, match="bound: found .*, expected a difference above 0, in the unit of y"):
-        equivalence(published, dependent="y", factor="force", subject="subject", bound=bound)
-
-
-def test_equivalence_rejects_alpha_of_one_half(published) -> None:
-    with pytest.raises(InvalidParameter, match="alpha: found 0.5, expected a number above 0 and below 0.5"):
-        equivalence(published, dependent="y", factor="force", subject="subject", bound=1.0, alpha=0.5)
-
-
 def test_identical_differences_are_compared_with_bound() -> None:
     values = np.arange(5.0)[:, None] + np.array([0.0, 2.0])
     given = {"dependent": "y", "factor": "force", "subject": "subject"}
     claims = [equivalence(any_table(values), **given, bound=bound)["equivalent"][0] for bound in (1.0, 3.0)]
     assert claims == [False, True]
+
+
+BAD = (0.0, -1.0, np.nan, np.inf)
+
+
+@pytest.mark.parametrize(
+    ("compare", "options", "message"),
+    [
+        (pairs, {"correction": "holms"}, "correction: found 'holms', expected one of holm, bonferroni"),
+        (equivalence, {"bound": 1.0, "alpha": 0.5}, "alpha: found 0.5, expected a number above 0 and below 0.5"),
+        *((equivalence, {"bound": x}, f"bound: found {x}, expected a difference above 0, in the unit") for x in BAD),
+    ],
+)
+def test_invalid_options_of_comparisons_are_refused(published, compare, options, message) -> None:
+    with pytest.raises(InvalidParameter, match=re.escape(message)):
+        compare(published, dependent="y", factor="force", subject="subject", **options)
+
+
+ARGUMENTS = {"dependent": "y", "subject": "subject"}
+
+
+@pytest.fixture(scope="module")
+def table():
+    return any_table(drawn((9, 3, 2), np.random.default_rng()))
+
+
+@pytest.mark.parametrize(
+    ("p", "text"),
+    [(0.0004, "p < .001"), (0.001, "p = .001"), (0.05, "p = .050"), (0.99949, "p = .999"), (1.0, "p > .999")],
+)
+def test_p_text_has_three_digits_without_leading_zero(p, text) -> None:
+    assert p_text(p) == text
+
+
+@pytest.mark.parametrize(("x", "text"), [(0.5, ".500"), (-0.25, "-.250"), (1.0, "1.000"), (10.5, "10.500")])
+def test_a_share_has_no_leading_zero(x, text) -> None:
+    assert share_text(x) == text
+
+
+def test_effect_sentence_contains_its_numbers(table) -> None:
+    found = repeated_measures(table, within=["force", "freq"], **ARGUMENTS)
+    first, second, _ = table_sentences("anova", found)
+    row = found.iloc[0]
+    if row["eps_CM"] < 1:
+        assert first.startswith(f"force: F({2 * row['eps_CM']:.2f}, {16 * row['eps_CM']:.2f}) = {row['F']:.2f}, ")
+        assert f"(Chi-Muller, epsilon = {row['eps_CM']:.2f})" in first
+    assert p_text(row["p_CM_corr"]) in first
+    assert second.startswith("freq: F(1, 8) = ")
+    assert "Muller" not in second
+
+
+def test_every_result_has_its_sentence(table) -> None:
+    within = ["force", "freq"]
+    tested = equivalence(table, factor="force", bound=50.0, **ARGUMENTS)
+    model = mixed_model(table, factors=within, **ARGUMENTS)
+    sentences = [
+        *table_sentences("permutation", permutation_test(table, within=within, **ARGUMENTS)),
+        *table_sentences("pairs", pairs(table, factor="force", **ARGUMENTS), "dB"),
+        *table_sentences("equivalence", tested, tested.attrs, "dB"),
+        *table_sentences("model", model.terms, model),
+    ]
+    assert all("nan" not in sentence and "None" not in sentence for sentence in sentences)
+    assert sum("p " in sentence for sentence in sentences) >= len(sentences) - 2
+    assert any("pairs are equivalent within +-50 dB" in sentence for sentence in sentences)
+
+
+F_TEST = {"Source": "a * b", "ddof1": 2, "ddof2": 14, "F": 8.1, "eps_CM": 1.0, "np2": 0.536}
+WELCH = {"a": "left", "b": "right", "difference": 3.0, "simultaneous_low": 0.73, "simultaneous_high": 5.27, "df": 4.0}
+WELCH |= {"t": 3.674, "p_unc": 0.021, "p_corr": 0.021, "g": 2.4, "bf10": 3.6, "status": "ok"}
+TOST = {"a": 0.5, "b": 1.0, "difference": 0.02, "low": -0.3, "high": 0.35, "p": 0.001, "equivalent": True}
+NO_ALPHA = {"frequency_hz": 60.0, "dimension": "PQ", "alpha": None, "note": "fewer than three participants"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "row", "facts", "text"),
+    [
+        ("simple", F_TEST | {"hz": 60, "p_corr": 0.009, "note": ""}, ["hz"],
+         "hz 60: a * b, F(2, 14) = 8.10, p = .009 (Holm), partial eta squared = .536"),
+        ("permutation", F_TEST | {"p_permutation": 0.25, "n_permutations": 512}, [],
+         "a * b: permutation test with 512 sign changes, F = 8.10, p = .250"),
+        ("pairs", WELCH, ["dB"],
+         "right − left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6, "
+         "moderate evidence for a difference"),
+        ("equivalence", TOST, [{"p_all": 0.001, "bound": 1.0, "alpha": 0.05}, "dB", "force_n"],
+         "1 N and 0.5 N are equivalent within +-1 dB: difference 0.020 dB, 90 % CI [-0.300, 0.350], TOST p = .001"),
+        ("alpha", NO_ALPHA, [["frequency_hz"]],
+         "60 Hz, PQ: no Cronbach's alpha (fewer than three participants)"),
+    ],
+)  # fmt: skip
+def test_sentence_of_one_row(kind, row, facts, text) -> None:
+    assert table_sentences(kind, pd.DataFrame([row]), *facts) == [text]
+
+
+def test_equivalence_sentences_deny_unmet_claims() -> None:
+    values = np.random.default_rng().normal(size=(8, 2)) + np.array([0, 5.0])
+    tested = equivalence(any_table(values), factor="force", bound=0.5, **ARGUMENTS)
+    assert all("not" in sentence for sentence in table_sentences("equivalence", tested, tested.attrs))
+
+
+def test_pair_sentence_reports_differences_without_error() -> None:
+    values = np.arange(4.0)[:, None] + np.array([0.0, 2.0])
+    (sentence,) = table_sentences("pairs", pairs(any_table(values), factor="force", **ARGUMENTS))
+    assert sentence == "1 − 0: 2.00 in every participant: not tested, as the error is 0"
+
+
+def checked(table, within):
+    return checks(table, repeated_measures(table, within=within, **ARGUMENTS), within=within, **ARGUMENTS)
+
+
+def test_normality_check_uses_residuals() -> None:
+    values = drawn((8, 3), np.random.default_rng())
+    row = checked(any_table(values), "force").iloc[0]
+    left = values - values.mean(0) - values.mean(1, keepdims=True) + values.mean()
+    peer = stats.shapiro(left.ravel())
+    assert (row["statistic"], row["p"]) == pytest.approx((peer.statistic, peer.pvalue), rel=1e-6)
+
+
+def test_outlier_is_counted_and_contradicts_normality() -> None:
+    values = np.random.default_rng().normal(size=(30, 3))
+    values[4, 1] += 40
+    found = checked(any_table(values), "force")
+    assert found["holds"].tolist()[0] is False
+    assert found["statistic"].iloc[-1] >= 1
+    assert "contradicted" in found["text"][0]
+
+
+def test_checks_report_reason_when_test_is_impossible() -> None:
+    found = checked(any_table(drawn((5, 6, 2), np.random.default_rng())), ["force", "freq"])
+    texts = found["text"].tolist()
+    assert texts[1] == "sphericity of force: not tested, the error matrix is singular"
+    assert texts[2] == "sphericity of freq: not tested, two levels are always spherical"
+    assert found["holds"].tolist()[1] is None

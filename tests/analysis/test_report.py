@@ -1,5 +1,6 @@
 """Tests of the analysis from trials table to report."""
 
+import json
 import re
 import shutil
 from pathlib import Path
@@ -8,11 +9,14 @@ import analysis_data
 import numpy as np
 import pandas as pd
 import pytest
-from command_line import refused
+from command_line import output, refused
+from hypothesis import given, strategies as st
 from places import SHARED
+from scipy.special import logit
 
 from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.figures.style import drawing_of, new_figure
+from tactometry.analysis.means import RATE, Range, mean_with_interval
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
@@ -20,8 +24,6 @@ from tactometry.analysis.report.page import BROWSERS, WEASYPRINT, print_pdf, wri
 from tactometry.analysis.report.sentences import primary_sentences
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.result import Analysis
-from tactometry.analysis.tasks.task_analysis import DIFFERENCE_PER_WIDTH
-from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.wording import cross_table
 from tactometry.cli.analyse import summary_text
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
@@ -31,27 +33,15 @@ MEANS = {(force, hz): base - 0.8 * force for force in (0.5, 3.0) for hz, base in
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory) -> tuple[Path, dict]:
+def study(tmp_path_factory) -> Path:
     rng = np.random.default_rng()
     truth = analysis_data.grid_of_thresholds(5, MEANS, 2.0, rng)
-    path = tmp_path_factory.mktemp("study") / "trials.csv"
-    return analysis_data.write_study(path, truth, FACTORS, rng=rng), truth
+    return analysis_data.write_study(tmp_path_factory.mktemp("study") / "trials.csv", truth, FACTORS, rng=rng)
 
 
 @pytest.fixture(scope="module")
 def found(study, tmp_path_factory) -> Analysis:
-    return analyse(study[0], report=tmp_path_factory.mktemp("reported") / "report.html")
-
-
-def test_thresholds_are_near_the_truth(study, found) -> None:
-    _, truth = study
-    table = found.tables["thresholds"]
-    errors = [
-        row["threshold"] - truth[row["participant"], (row["force_n"], row["frequency_hz"])]
-        for _, row in table.iterrows()
-    ]
-    assert len(table) == len(truth)
-    assert np.abs(errors).max() < 6 * 1.0
+    return analyse(study, report=tmp_path_factory.mktemp("reported") / "report.html")
 
 
 def test_group_table_crosses_frequency_by_force(found) -> None:
@@ -67,26 +57,12 @@ def test_anova_finds_frequency_effect(found) -> None:
     assert primary_sentences(found.outcomes[0])[1].startswith("frequency_hz: F(")
 
 
-def test_rates_count_every_answer_once(found) -> None:
+def test_answers_and_catch_trials_are_counted_once(found) -> None:
     rates, table = found.tables["rates"], found.tables["thresholds"]
     assert rates["n_trials"].sum() == table["n_trials"].sum()
     assert ((rates["rate_low"] <= rates["rate"]) & (rates["rate"] <= rates["rate_high"])).all()
-
-
-def test_catch_trials_are_counted_separately(found) -> None:
-    table = found.tables["thresholds"]
-    assert (table["n_catch"] == 20).all()
-    assert (table["n_trials"] == 9 * 12).all()
+    assert table[["n_trials", "n_catch"]].drop_duplicates().to_numpy().tolist() == [[9 * 12, 20]]
     assert found.tables["quality"]["n_catch"].tolist() == [120] * 5
-
-
-def test_same_data_have_same_report_bytes(study, found, tmp_path) -> None:
-    analyse(study[0], report=tmp_path / "report.html")
-    files = sorted(found.report.parent.rglob("*"))
-    assert len(files) > 10
-    for one in files:
-        other = tmp_path / one.relative_to(found.report.parent)
-        assert one.is_dir() or one.read_bytes() == other.read_bytes()
 
 
 def test_report_is_self_contained(found) -> None:
@@ -106,27 +82,29 @@ def test_report_tables_equal_result_tables(found) -> None:
         assert list(again.columns) == [str(column) for column in table.columns]
 
 
-@pytest.mark.parametrize("task", ["forced_choice", "comparison"])
-def test_other_tasks_recover_the_truth(tmp_path, task) -> None:
+@pytest.mark.parametrize("task", ["yes_no", "forced_choice", "comparison"])
+def test_mean_over_participants_recovers_the_truth(tmp_path, task) -> None:
     rng = np.random.default_rng()
     truth = {(f"P{i}", (0.0,)): 20.0 for i in range(8)}
     found = analyse(analysis_data.write_study(tmp_path / "t.csv", truth, ["block_type"], rng=rng, task=task, n=30))
     mean, low, high = found.outcomes[0].group[["mean", "mean_low", "mean_high"]].iloc[0]
     assert mean == pytest.approx(20.0, abs=4.0 * max(high - low, 0.4))
     if task == "comparison":
-        jnd = found.tables["group_jnd"].iloc[0]
-        assert jnd["mean"] == pytest.approx(
-            8.0 / 3.2897 * 0.67449, abs=4 * max(jnd["mean_high"] - jnd["mean_low"], 0.1)
-        )
+        mean, low, high = found.tables["group_jnd"].iloc[0][["mean", "mean_low", "mean_high"]]
+        assert mean == pytest.approx(8.0 / 3.2897 * 0.67449, abs=4 * max(high - low, 0.1))
+
+
+def censored(path, rng, truth):
+    """Return the outcome and the warnings of thresholds, some of which lie above the levels."""
+    file = analysis_data.write_study(path, truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
+    found = analyse(file)
+    return found.outcomes[0], found.warnings
 
 
 def test_fully_censored_condition_is_left_out_of_anova(tmp_path) -> None:
     rng = np.random.default_rng()
     means = {(60.0,): 75.0, (240.0,): 16.0, (480.0,): 22.0}
-    truth = analysis_data.grid_of_thresholds(4, means, 1.0, rng)
-    file = analysis_data.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
-    found = analyse(file)
-    outcome = found.outcomes[0]
+    outcome, warnings = censored(tmp_path / "t.csv", rng, analysis_data.grid_of_thresholds(4, means, 1.0, rng))
     first = outcome.group.iloc[0]
     assert (first["n"], first["n_above"], first["text"]) == (0, 4, "of 4: 4 above the levels")
     assert first[["mean", "mean_low", "mean_high"]].isna().all()
@@ -135,25 +113,18 @@ def test_fully_censored_condition_is_left_out_of_anova(tmp_path) -> None:
         "participants have a value",
         "the analysis of variance, a check, leaves out frequency_hz = 60, as it needs a value in every condition",
     )
-    assert (outcome.primary, outcome.censored.design.n_censored, outcome.left_out) == (
-        "censored_anova",
-        0,
-        ("frequency_hz = 60",),
-    )
-    assert any("4 of 12 cells with a threshold above the levels" in warning for warning in found.warnings)
+    assert (outcome.primary, outcome.censored.design.n_censored) == ("censored_anova", 0)
+    assert outcome.left_out == ("frequency_hz = 60",)
+    assert any("4 of 12 cells with a threshold above the levels" in warning for warning in warnings)
 
 
 def test_participants_with_bounds_stay_in_primary_analysis(tmp_path) -> None:
     rng = np.random.default_rng()
     truth = analysis_data.grid_of_thresholds(6, {(240.0,): 16.0, (480.0,): 30.0}, 1.0, rng)
     truth |= {("P01", (480.0,)): 70.0, ("P02", (480.0,)): 70.0}
-    file = analysis_data.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
-    outcome = analyse(file).outcomes[0]
-    assert (outcome.primary, outcome.censored.table.attrs["n"], outcome.censored.design.n_censored) == (
-        "censored_anova",
-        6,
-        2,
-    )
+    outcome, _ = censored(tmp_path / "t.csv", rng, truth)
+    assert (outcome.primary, outcome.censored.design.n_censored) == ("censored_anova", 2)
+    assert outcome.censored.table.attrs["n"] == 6
     assert outcome.notes == (
         "the analysis with censored values treats 2 values as bounds",
         "the analysis of variance, a check, leaves out participant P01, participant P02, as it needs a value in every "
@@ -166,29 +137,27 @@ def test_participants_with_bounds_stay_in_primary_analysis(tmp_path) -> None:
     assert outcome.pairs["frequency_hz"]["difference"][0] > known[480] - known[240] + 1.0
 
 
-def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd.DataFrame:
-    table = pd.DataFrame(rows, columns=["threshold", "status", "interval_low", "interval_high"])
-    return table.assign(condition="x")
+ONE, THREE = (1.0, "ok", 0, 2), (3.0, "ok", 2, 4)
+ABOVE, BELOW = (None, "threshold_above_range", 5.0, None), (None, "threshold_below_range", None, -3.0)
+FLAT = (None, "flat", None, None)
 
 
 @pytest.mark.parametrize(
     ("rows", "text"),
     [
-        ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4)], "2.0 [-10.7, 14.7] (n = 2)"),
-        ([(1.0, "ok", 0, 2)], "1.00 (n = 1)"),
+        ([ONE, THREE], "2.0 [-10.7, 14.7] (n = 2)"),
+        ([ONE], "1.00 (n = 1)"),
         ([(1.25e-300, "ok", 0, 2)], "1.25e-300 (n = 1)"),
-        ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4), (None, "flat", None, None)], "2.0 [-10.7, 14.7] (n = 2, 1 missing)"),
-        ([(1.0, "ok", 0, 2), (None, "threshold_above_range", 5.0, None)], "of 2: 1 above the levels"),
-        ([(1.0, "ok", 0, 2), (None, "threshold_below_range", None, -3.0)], "of 2: 1 below the levels"),
-        (
-            [(None, "threshold_above_range", 5.0, None), (None, "threshold_below_range", None, 0.0)],
-            "of 2: 1 below, 1 above the levels",
-        ),
-        ([(None, "flat", None, None)], "none (1 missing)"),
+        ([ONE, THREE, FLAT], "2.0 [-10.7, 14.7] (n = 2, 1 missing)"),
+        ([ONE, ABOVE], "of 2: 1 above the levels"),
+        ([ONE, BELOW], "of 2: 1 below the levels"),
+        ([ABOVE, BELOW], "of 2: 1 below, 1 above the levels"),
+        ([FLAT], "none (1 missing)"),
     ],
 )
 def test_group_mean_excludes_cells_without_threshold(rows, text) -> None:
-    group = group_table(estimates(*rows), ["condition"])
+    table = pd.DataFrame(rows, columns=["threshold", "status", "interval_low", "interval_high"])
+    group = group_table(table.assign(condition="x"), ["condition"])
     assert cross_table(group, ["condition"])["mean"].tolist() == [text]
 
 
@@ -202,35 +171,11 @@ def dallmann() -> Analysis:
 
 
 def test_masking_vibration_raises_the_difference_threshold(dallmann) -> None:
-    """The published conclusion."""
     anova = dallmann.tables["anova_jnd"].set_index("Source")
     mean = dallmann.tables["group_jnd"].set_index("vibration_hz")["mean"]
     assert anova.loc["vibration_hz", "p_unc"] < 0.01
     assert mean[32] > mean[0]
     assert dallmann.tables["anova_pse"].set_index("Source").loc["vibration_hz", "p_unc"] > 0.05
-
-
-def test_fits_without_lapses_equal_probit_regression(dallmann) -> None:
-    """With free lapses (the default) differences are smaller.
-
-    Points of equality agree within their intervals.
-    """
-    import statsmodels.api as sm
-
-    rows, outside = dallmann.trials.rows, []
-    for _, row in dallmann.tables["thresholds"].iterrows():
-        own = rows[(rows["participant"] == row["participant"]) & (rows["vibration_hz"] == row["vibration_hz"])]
-        probit = sm.families.Binomial(sm.families.links.Probit())
-        model = sm.GLM(own["response"].astype(float), sm.add_constant(own["level"]), family=probit).fit(tol=1e-12)
-        intercept, slope = model.params
-        plain = fit(own["level"], own["response"].astype(float), 1, shape="normal", guess_rate=0.0, lapse_rate=0.0,
-                    method="likelihood")  # fmt: skip
-        assert plain.threshold == pytest.approx(-intercept / slope, rel=1e-6)
-        assert plain.width * DIFFERENCE_PER_WIDTH == pytest.approx(0.67448975 / slope, rel=1e-6)
-        if not row["interval_low"] < plain.threshold < row["interval_high"]:
-            outside.append((row["participant"], row["vibration_hz"]))
-        assert row["jnd"] <= 0.67448975 / slope * 1.05
-    assert outside == [("NI", 0)]  # free asymptotes: 8.655 cm/s, the interval ends at 8.647
 
 
 def test_terminal_shows_table_and_sentence(found) -> None:
@@ -244,50 +189,32 @@ def test_terminal_shows_table_and_sentence(found) -> None:
 def test_command_rejects_bad_table_with_one_sentence(tmp_path, capsys) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text("participant,level\nP01,1\n")
-    said = f"tactometry: {bad}: found no column 'task'; assign it in a column map (--columns)"
-    assert refused(capsys, "analyse", bad) == said
+    message = f"tactometry: {bad}: found no column 'task'; assign it in a column map (--columns)"
+    assert refused(capsys, "analyse", bad) == message
 
 
 def test_report_requires_writable_html_path(study, found, tmp_path) -> None:
     with pytest.raises(InvalidParameter, match=r"--report: found 'r.txt', expected a file name that ends in .html"):
-        analyse(study[0], report=tmp_path / "r.txt")
+        analyse(study, report=tmp_path / "r.txt")
     with pytest.raises(InvalidParameter, match="--pdf: found no --report, expected --report FILE.html"):
-        analyse(study[0], pdf=True)
+        analyse(study, pdf=True)
     (tmp_path / "file").write_text("")
     with pytest.raises(DeviceFailed, match="cannot be written"):
         write_report(found, tmp_path / "file" / "r.html")
 
 
-def test_refuses_a_table_without_psychophysical_answers(tmp_path) -> None:
-    path = tmp_path / "t.csv"
-    path.write_text("participant,trial,procedure,level,task,response\nP01,1,form,,rating,3\n")
-    with pytest.raises(
-        InvalidFile,
-        match=r"found no valid answer to a task \(yes_no, forced_choice, comparison, same_different, magnitude,",
-    ):
-        analyse(path)
-
-
 def test_refuses_levels_in_two_units(tmp_path) -> None:
-    path = tmp_path / "t.csv"
-    path.write_text(
-        "participant,trial,procedure,level,level_unit,task,response\nP1,1,c,1,V,yes_no,1\nP1,2,c,1,dB,yes_no,0\n"
-    )
+    path, header = tmp_path / "t.csv", "participant,trial,procedure,level,level_unit,task,response"
+    path.write_text(f"{header}\nP1,1,c,1,V,yes_no,1\nP1,2,c,1,dB,yes_no,0\n")
     with pytest.raises(InvalidFile, match="row 3, column 'level_unit': found 'dB', expected 'V' as in earlier rows"):
         analyse(path)
 
 
-# --- force, plan, figures
-
-
 @pytest.fixture(scope="module")
 def pressed(study, tmp_path_factory) -> Path:
-    """Write the study with a measured force.
-
-    It is 10 % above the target; that of P02 is out of the band.
-    """
+    """Write the study with a force 10 % above the target; that of P02 is out of the band."""
     rng = np.random.default_rng()
-    table = pd.read_csv(study[0], dtype=str, keep_default_na=False)
+    table = pd.read_csv(study, dtype=str, keep_default_na=False)
     force = table["force_n"].astype(float) * (1.1 + 0.02 * rng.normal(size=len(table)))
     band = np.where(table["participant"] == "P02", 0.3, 0.95)
     path = tmp_path_factory.mktemp("pressed") / "trials.csv"
@@ -303,27 +230,20 @@ def planned(pressed, tmp_path_factory) -> Analysis:
 
 def test_plan_exclusions_are_first_warning(planned) -> None:
     assert set(planned.tables["thresholds"]["participant"]) == {"P01", "P03", "P04", "P05"}
-    assert planned.warnings[0].startswith(
-        "excluded by the rule force_in_band_share_min = 0.5 (numbers of trials): P02 "
-    )
+    rule = "force_in_band_share_min = 0.5"
+    assert planned.warnings[0].startswith(f"excluded by the rule {rule} (numbers of trials): P02 ")
     assert set(planned.tables["excluded"]["participant"]) == {"P02"}
-    assert "rules specified in advance (force_in_band_share_min = 0.5)" in planned.methods
+    assert f"rules specified in advance ({rule})" in planned.methods
     assert "Bayes factors (Rouder et al. 2009)" in planned.methods
     assert "pingouin" in planned.methods
 
 
 def test_report_has_force_models_pairs_and_references(planned) -> None:
     page = planned.report.read_text()
-    headings = (
-        "Applied force",
-        "Data quality",
-        "Excluded by the analysis plan",
-        "Pairs of frequency",
-        "Equivalence over force",
-    )
-    for text in (*headings, "Linear mixed model", "Schuirmann, D. J. (1987)", "Rouder, J. N."):
+    headings = ("Applied force", "Data quality", "Excluded by the analysis plan", "Pairs of frequency")
+    references = ("Schuirmann, D. J. (1987)", "Rouder, J. N.")
+    for text in (*headings, "Equivalence over force", "Linear mixed model", *references):
         assert text in page
-    assert page.index("<h2>Warnings") < page.index("<h2>Detection threshold")
     outcome = planned.outcomes[0]
     assert outcome.model_title == "frequency_hz * log2 of the measured force, random intercept of participants"
     assert outcome.equivalence["force_n"]["equivalent"].all()
@@ -392,7 +312,50 @@ def test_written_pdf_is_named(found, tmp_path, monkeypatch) -> None:
 
 def test_missing_printer_is_reported(tmp_path, monkeypatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(
-        DeviceFailed, match="--pdf: found neither a browser .* nor weasyprint, expected one of them; print"
-    ):
+    with pytest.raises(DeviceFailed, match="--pdf: found neither a browser .* nor weasyprint, expected one of them;"):
         print_pdf(tmp_path / "r.html")
+
+
+RANGES = [Range(0.0, 1.0), Range(-3.0, 3.0), Range(0.0), Range(high=1.0)]
+
+
+@pytest.mark.parametrize("possible", RANGES)
+@given(place=st.floats(0.01, 0.99), half=st.floats(0, 20))
+def test_interval_stays_in_range_around_mean(possible, place, half):
+    low, high = max(possible.low, -50.0), min(possible.high, 50.0)
+    mean = low + place * (high - low)
+    found = possible.around(mean, half)
+    assert possible.low <= found[0] <= mean + 1e-9
+    assert mean - 1e-9 <= found[1] <= possible.high
+
+
+def test_rate_interval_is_symmetric_on_logit():
+    found = mean_with_interval(np.array([0.5, 0.8, 0.9, 0.6]), possible=RATE)
+    low, mean, high = (logit(found[name]) for name in ("mean_low", "mean", "mean_high"))
+    assert high - mean == pytest.approx(mean - low)
+
+
+@pytest.mark.parametrize("dependent", ["rate_correct", "jnd"])
+@pytest.mark.parametrize(("n", "has_interval"), [(2, False), (3, True)])
+def test_bounded_mean_needs_three_participants(dependent, n, has_interval):
+    values = {"participant": list("abc")[:n], dependent: [0.2, 0.9, 0.95][:n]}
+    assert group_table(pd.DataFrame(values), [], dependent)["mean_low"].notna().tolist() == [has_interval]
+
+
+@pytest.mark.parametrize(
+    ("study", "key", "bounds"),
+    [("time-reversal-localisation", "outcomes", (0, 1)), ("hybrid-button", "questionnaires", (0, 100))],
+)
+def test_analyse_reports_possible_intervals(tmp_path, capsys, study, key, bounds):
+    output(capsys, "simulate", study, "--participants", "3", "--seed", "2", "--out", tmp_path / "data")
+    found = json.loads(output(capsys, "analyse", tmp_path / "data", "--json"))[key]
+    ends = [row[end] for row in rows_of(found) for end in ("mean_low", "mean_high") if row[end] is not None]
+    assert ends
+    assert all(bounds[0] <= end <= bounds[1] for end in ends)
+
+
+def rows_of(found):
+    """Every row of a table of means, at any depth."""
+    if isinstance(found, dict):
+        return [found] if "mean_low" in found else [row for value in found.values() for row in rows_of(value)]
+    return [row for value in found for row in rows_of(value)] if isinstance(found, list) else []

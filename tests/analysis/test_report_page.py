@@ -6,16 +6,21 @@ from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 
+import analysis_data
 import numpy as np
 import pandas as pd
 import pytest
 from command_line import output
 from places import RECORDED
+from tables import contents
 
 from tactometry.analysis.figures.psychophysics import threshold_figure
 from tactometry.analysis.figures.style import COLOURS, look, shift
+from tactometry.analysis.figures.touches import courses_figure
 from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import analyse, analyse_trials
+from tactometry.analysis.plan import AnalysisPlan, read_plan
+from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import means_text
 from tactometry.analysis.report.page import figures_of, nonbreaking, render
@@ -24,8 +29,11 @@ from tactometry.analysis.report.study_text import STIMULI, procedure_text, study
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 from tactometry.config.toml import read_table
+from tactometry.errors import InvalidFile
 from tactometry.experiments.study.cells import STIMULI as KINDS_OF_STIMULI
 from tactometry.experiments.study.study_file import FOLDER
+from tactometry.stimuli.scenes.file import load_scene
+from tactometry.stimuli.time_reversal.plate.glass import read_plate
 
 STUDIES = sorted(path.stem for path in FOLDER.glob("*.toml"))
 
@@ -42,10 +50,7 @@ def one(whole) -> Analysis:
 
 @pytest.fixture(scope="module")
 def two(whole, tmp_path_factory) -> Analysis:
-    """A second participant with levels that are 3 dB higher.
-
-    The answers are the same.
-    """
+    """Add a participant with the same answers at levels that are 3 dB higher."""
     root = Path(shutil.copytree(whole, tmp_path_factory.mktemp("two") / "d"))
     file = next((root / "data").glob("*.csv"))
     table = pd.read_csv(file, dtype=str, keep_default_na=False)
@@ -60,12 +65,14 @@ def captions(found: Analysis) -> dict[str, str]:
 
 
 def test_single_participant_has_no_between_participants_interval(one) -> None:
-    page, told = render(one), captions(one)
-    assert "between" not in told["threshold"] + told["force"]
-    assert "interval" not in told["force"]
-    assert "t-intervals between participants" not in page
+    page, figures = render(one), captions(one)
+    assert "between" not in figures["threshold"] + figures["force"]
+    assert "interval" not in figures["force"]
     assert "1 participant," in page
     assert "in 1 file;" in page
+    for absent in ("t-intervals", "Cousineau", "The primary analysis", "hierarchical"):
+        assert absent not in one.methods
+    assert "t-intervals between participants" not in page
 
 
 def test_single_participant_has_intervals_of_fits(one) -> None:
@@ -83,8 +90,7 @@ def test_single_participant_has_intervals_of_fits(one) -> None:
 
 
 def test_two_participants_have_between_participants_intervals(two) -> None:
-    told = captions(two)
-    assert "t-intervals between participants; faint dots are participants" in told["threshold"]
+    assert "t-intervals between participants; faint dots are participants" in captions(two)["threshold"]
     assert "Mean over participants with 95 % interval between participants." in render(two)
 
 
@@ -104,12 +110,7 @@ def test_report_has_title_and_procedure_of_study(one) -> None:
     page = render(one)
     assert "<h1>Tutorial: is there a vibration under the finger? (simulated)</h1>" in page
     assert "Study tutorial: 1 participant" in page
-    order = (
-        "<h3>Procedure",
-        "no person took part.",
-        "were perceived through",
-        "The conditions were frequency (60, 240 Hz).",
-    )
+    order = ("<h3>Procedure", "no person took part.", "were perceived through", "were frequency (60, 240 Hz).")
     places = [page.index(words) for words in order]
     assert places == sorted(places)
     assert "share of catch trials 20 %" in page
@@ -123,20 +124,19 @@ def test_procedure_text_includes_all_settings_of_study(name) -> None:
         for key, value in study.get(table, {}).items():
             if key != "kind" and isinstance(value, str | int | float) and not isinstance(value, bool):
                 share = f"{100 * value:.0f} %" if isinstance(value, float) and value < 1 else ""
-                told = value if isinstance(value, str) else f"{value:g}"
-                assert told in text or share in text, (table, key)
+                setting = value if isinstance(value, str) else f"{value:g}"
+                assert setting in text or share in text, (table, key)
     for levels in study["factors"].values():
         assert all((f"{x:g}" if not isinstance(x, str) else x.replace("_", " ")) in text for x in levels)
     assert not re.search(r"\w_\w|  |\(\)|nan|None", text)
 
 
 @pytest.mark.parametrize(
-    ("after", "told"), [("start", "before the first block"), ("block", "after each block"), ("session", "at the end")]
+    ("after", "when"), [("start", "before the first block"), ("block", "after each block"), ("session", "at the end")]
 )
-def test_procedure_text_says_when_questionnaire_is_given(after, told) -> None:
-    inquiry = {"form": "demographics", "after": after}
-    text = procedure_text({"inquiries": {"who": inquiry}}, "")
-    assert f"The questionnaire demographics was presented {told}" in text
+def test_procedure_text_says_when_questionnaire_is_given(after, when) -> None:
+    text = procedure_text({"inquiries": {"who": {"form": "demographics", "after": after}}}, "")
+    assert f"The questionnaire demographics was presented {when}" in text
 
 
 def test_every_stimulus_kind_has_a_description() -> None:
@@ -173,7 +173,6 @@ def test_factors_have_readable_names_in_output(two) -> None:
 
 
 def test_tables_are_not_cut(two) -> None:
-    """Cells break between a value, its interval and its number."""
     page = render(two)
     assert "nowrap" not in page
     assert re.search(r"<td>[\d.]+ \[\S+,\u00a0\S+\] \(n\u00a0=\u00a02\)</td>", page)
@@ -190,15 +189,15 @@ def test_headings_stay_with_their_content_in_print(two) -> None:
 
 def test_tracks_are_named_by_procedure() -> None:
     found = analysis_of(RECORDED / "quest-plus-tracks")
-    told = [caption for name, caption in captions(found).items() if name.endswith("_tracks")]
-    assert told
-    assert all("tracks (QUEST+); filled markers: " in caption for caption in told)
-    assert "staircase" not in " ".join(captions(found).values())
-    assert not any(name.startswith("mean_rates") for name in captions(found))
-
-
-def test_mean_rates_are_drawn_for_fixed_levels(one) -> None:
-    assert "mean_rates_yes_no" in captions(one)
+    figures = captions(found)
+    of_tracks = [caption for name, caption in figures.items() if name.endswith("_tracks")]
+    assert of_tracks
+    assert all("tracks (QUEST+); filled markers: " in caption for caption in of_tracks)
+    assert "staircase" not in " ".join(figures.values())
+    assert not any(name.startswith("mean_rates") for name in figures)
+    page = render(found)
+    assert "<td>0.5</td>" in page  # factor values as they are stated
+    assert "<td>0.500</td>" not in page
 
 
 def test_dots_do_not_overlap_bars() -> None:
@@ -235,36 +234,22 @@ def test_fourteen_series_look_different() -> None:
 
 def test_scores_of_a_load_are_not_called_good() -> None:
     found = analysis_of(RECORDED / "hybrid-button")
-    labels = {
-        figure.name: figure.draw().figure.axes[0].get_ylabel()
-        for figure in figures_of(found)
-        if figure.name.endswith("_scores")
-    }
-    assert set(labels.values()) == {"Score"}
+    figures = [figure for figure in figures_of(found) if figure.name.endswith("_scores")]
+    assert {figure.draw().figure.axes[0].get_ylabel() for figure in figures} == {"Score"}
     assert captions(found)["realism_likert_word_pairs"].startswith("Items: ")
+    assert "symmetric on the logit of their range" in found.methods
+    for absent in ("Cousineau", "The primary analysis"):  # two participants have none
+        assert absent not in found.methods
 
 
 def test_captions_describe_means_and_intervals() -> None:
-    told = pd.DataFrame({"mean": [1.0], "mean_low": [0.5], "within_low": [0.7], "n": [3]})
-    assert means_text("figure", told, "dots").startswith(
-        "means over participants; bars are 95 % intervals within participants"
-    )
+    means = pd.DataFrame({"mean": [1.0], "mean_low": [0.5], "within_low": [0.7], "n": [3]})
+    text = means_text("figure", means, "dots")
+    assert text.startswith("means over participants; bars are 95 % intervals within participants")
     alike = pd.DataFrame({"mean": [1.0], "mean_low": [np.nan], "n": [3]})
     assert means_text("sentence", alike) == "Mean over participants; there is no interval between participants."
-    modelled = told.assign(method=["censored model"])
+    modelled = means.assign(method=["censored model"])
     assert means_text("sentence", modelled).endswith(" (from the censored model if values are censored).")
-
-
-def test_methods_of_questionnaire_match_its_figures() -> None:
-    methods = analysis_of(RECORDED / "hybrid-button").methods
-    assert "symmetric on the logit of their range" in methods
-    for absent in ("Cousineau", "The primary analysis"):  # two participants have none
-        assert absent not in methods
-
-
-def test_methods_of_one_participant_claim_no_interval(one) -> None:
-    for told in ("t-intervals", "Cousineau", "The primary analysis", "hierarchical"):
-        assert told not in one.methods
 
 
 @pytest.mark.parametrize(
@@ -292,12 +277,6 @@ def test_bounds_alone_have_no_means() -> None:
     assert captions(found)["threshold"].startswith("Detection threshold: no mean is known; ")
 
 
-def test_factor_values_are_printed_as_stated() -> None:
-    page = render(analysis_of(RECORDED / "quest-plus-tracks"))
-    assert "<td>0.5</td>" in page
-    assert "<td>0.500</td>" not in page
-
-
 def test_procedure_text_of_adjustment_omits_level_choice() -> None:
     study = read_table(RECORDED / "adjustment" / "study.toml", "a study")
     assert "Levels were chosen" not in procedure_text(study, "")
@@ -306,14 +285,13 @@ def test_procedure_text_of_adjustment_omits_level_choice() -> None:
 
 
 def test_analyse_runs_when_tactometry_is_not_installed(monkeypatch, capsys) -> None:
-    """A source checkout has no package metadata."""
+    installed = metadata.distribution
 
     def distribution(name):
         if name == "tactometry":
             raise metadata.PackageNotFoundError(name)
         return installed(name)
 
-    installed = metadata.distribution
     monkeypatch.setattr(metadata, "distribution", distribution)
     assert "threshold" in output(capsys, "analyse", RECORDED / "yes-no")
 
@@ -335,3 +313,64 @@ def test_report_is_written_when_the_earlier_list_is_no_text(tmp_path):
     listed.write_bytes(b"\xff\xfe\n")
     assert analyse(RECORDED / "magnitude", report=report).report == report
     assert "magnitude.csv" in listed.read_text(encoding="utf-8").split()
+
+
+@pytest.mark.parametrize("name", ["localisation", "yes-no"])
+def test_report_and_figures_ignore_number_of_jobs(tmp_path, capsys, name) -> None:
+    for n_jobs in ("1", "2"):
+        (tmp_path / n_jobs).mkdir()
+        places = ["--report", tmp_path / n_jobs / "r.html", "--figures", tmp_path / n_jobs / "figures"]
+        output(capsys, "analyse", RECORDED / name, "--jobs", n_jobs, *places)
+    assert contents(tmp_path / "1") == contents(tmp_path / "2")
+    assert any(file.suffix == ".png" for file in contents(tmp_path / "1"))
+
+
+def test_courses_of_motionless_finger_are_drawn() -> None:
+    """All speeds are 0; an axis from 0 to 0 caused a warning."""
+    course = {"time_s": np.linspace(-0.1, 0.5, 5), "low": 0.0, "median": 0.0, "high": 0.0}
+    of = {"participant": "P01", "quantity": "speed_m_per_s", "target": 0.0, "band_low": np.nan, "band_high": np.nan}
+    assert courses_figure(pd.DataFrame({**of, **course}), "speed_m_per_s").png()
+
+
+def test_paths_may_be_text(tmp_path) -> None:
+    report, figures = tmp_path / "report.html", tmp_path / "figures"
+    found = analyse(str(RECORDED / "yes-no"), report=str(report), figures=str(figures))
+    assert (found.report, found.figures_folder) == (report, figures)
+    assert report.is_file()
+
+
+@pytest.mark.parametrize("read", [read_trials, read_plan, read_column_map, load_scene, read_plate])
+def test_missing_path_is_named(read) -> None:
+    with pytest.raises(InvalidFile, match=r"^nowhere\.toml: "):
+        read("nowhere.toml")
+
+
+@pytest.fixture(scope="module")
+def shown_study(tmp_path_factory) -> Analysis:
+    truth = {(participant, (60.0,)): 20.0 for participant in ("P01", "P02")}
+    path = tmp_path_factory.mktemp("study") / "trials.csv"
+    analysis_data.write_study(path, truth, ("frequency_hz",), rng=np.random.default_rng(1))
+    return analyse(path, plan=AnalysisPlan(hierarchical=False))
+
+
+def test_analysis_repr_is_one_line_with_tables(shown_study: Analysis) -> None:
+    text = repr(shown_study)
+    assert re.match(rf"Analysis\({len(shown_study.trials.rows)} trials of 2 participants, \d+ warnings?; ", text)
+    assert all(name in text for name in shown_study.tables)
+    assert "\n" not in text
+
+
+def test_notebook_view_lists_all_tables_estimates_first(shown_study: Analysis) -> None:
+    shown = re.findall(r"<summary>(\w+) \((\d+) rows?\)</summary>", shown_study._repr_html_())
+    assert {name: int(n) for name, n in shown} == {name: len(table) for name, table in shown_study.tables.items()}
+    assert shown[0][0] == "thresholds"
+    assert shown[-1][0] == "quality"
+
+
+def test_a_notebook_has_the_warnings_as_text(shown_study: Analysis) -> None:
+    shown = replace(shown_study, warnings=("one < two", "three"))._repr_html_()
+    assert "<li>one &lt; two</li><li>three</li>" in shown
+
+
+def test_trials_repr_is_one_line() -> None:
+    assert repr(read_trials(RECORDED / "yes-no")) == "Trials(41 rows of 2 participants; frequency_hz)"

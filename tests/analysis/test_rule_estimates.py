@@ -6,7 +6,7 @@ from statistics import fmean, stdev
 
 import pandas as pd
 import pytest
-from command_line import call
+from command_line import output
 from hypothesis import given, strategies as st
 from places import RECORDED
 from study_texts import TUTORIAL
@@ -54,9 +54,7 @@ def spread_and_number(procedure):
 
 
 def in_json(capsys, root):
-    status, _, out = call(capsys, "analyse", root, "--json")
-    assert status == 0
-    return pd.DataFrame(json.loads(out)["thresholds"])
+    return pd.DataFrame(json.loads(output(capsys, "analyse", root, "--json"))["thresholds"])
 
 
 def study_with(procedure):
@@ -147,20 +145,16 @@ def test_reversals_are_found_in_plain_table(tmp_path):
 @pytest.mark.parametrize(
     ("procedure", "header", "why"),
     [
-        (
-            "quest,",
-            "procedure,",
-            "no estimate: without study.toml next to the table, the parameters of quest are unknown",
-        ),
-        ("constant_stimuli,", "procedure,", "no estimate: the levels of constant_stimuli do not depend on the answers"),
-        ("", "", "no estimate: the table does not name the procedure"),
+        ("quest,", "procedure,", "without study.toml next to the table, the parameters of quest are unknown"),
+        ("constant_stimuli,", "procedure,", "the levels of constant_stimuli do not depend on the answers"),
+        ("", "", "the table does not name the procedure"),
     ],
 )
 def test_missing_rule_estimate_has_reason(tmp_path, procedure, header, why):
     table = plain(tmp_path / "t.csv", procedure, header)
     found = analyse(table, within=["colour"]).tables["thresholds"].iloc[0]
     assert found[["rule_estimate", "rule_sd", "rule_n"]].isna().all()
-    assert found["rule_note"] == why
+    assert found["rule_note"] == f"no estimate: {why}"
 
 
 @given(answers=st.lists(st.booleans(), min_size=1, max_size=60), n_down=st.integers(1, 3))
@@ -168,6 +162,6 @@ def test_levels_reveal_all_but_the_last_reversal(answers, n_down):
     rule = Staircase(0.0, (4.0, 2.0), -1e3, 1e3, n_down=n_down, n_reversals=100, n_trials=100)
     for answer in answers:
         rule = rule.after(answer)
-    told = reversals(rule.delivered)
-    assert tuple(told) == rule.reversals[: len(told)]
-    assert len(rule.reversals) - len(told) in (0, 1)
+    shown = reversals(rule.delivered)
+    assert tuple(shown) == rule.reversals[: len(shown)]
+    assert len(rule.reversals) - len(shown) in (0, 1)

@@ -8,16 +8,7 @@ from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report import page, summary as json, terminal
 from tactometry.analysis.report.kinds import KINDS
-from tactometry.analysis.report.section import (
-    Details,
-    Figure,
-    Lead,
-    ResultKind,
-    Section,
-    TextTable,
-    grid,
-    rows_of,
-)
+from tactometry.analysis.report.section import Details, Figure, Lead, ResultKind, Section, TextTable, grid, rows_of
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 
@@ -29,12 +20,11 @@ def found(whole) -> Analysis:
     return analyse_trials(read_trials(whole))
 
 
-def drawn() -> Drawing:
-    with new_figure(2, 1) as bare:
-        return drawing_of(bare)
-
-
 def figure() -> Figure:
+    def drawn() -> Drawing:
+        with new_figure(2, 1) as bare:
+            return drawing_of(bare)
+
     return Figure("reactions", drawn, "Reactions.", "reactions")
 
 
@@ -62,9 +52,9 @@ def test_custom_section_appears_in_all_output(found, added) -> None:
 
 
 def test_json_lists_absent_tables_as_empty(found) -> None:
-    told = json.summary(found)
-    assert told["loss"] == told["preference"] == []
-    assert json.plain(dict(rows_of("thresholds")(found))["thresholds"]) == told["thresholds"]
+    summary = json.summary(found)
+    assert summary["loss"] == summary["preference"] == []
+    assert json.plain(dict(rows_of("thresholds")(found))["thresholds"]) == summary["thresholds"]
 
 
 def test_element_ids_are_unique_in_page(found) -> None:

@@ -1,4 +1,4 @@
-"""Tests of comparisons with a standard near the threshold."""
+"""Tests of comparisons with a standard, of lapse rates, and of the curve figure."""
 
 import json
 from dataclasses import replace
@@ -9,15 +9,15 @@ import pytest
 from command_line import output
 from scipy.stats import norm, t as student, ttest_1samp
 
-from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.figures.curves import MAX_PANELS, Panel, curve_figure
+from tactometry.analysis.tasks.cell import Cell, Estimate
 from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.tasks.comparison import FIT
+from tactometry.analysis.tasks.lapses import lapse_table, lapse_warnings
 from tactometry.analysis.tasks.standard import floor_warnings, lowest_levels, standard_sentences, standard_tests
 from tactometry.analysis.threshold.equality import equalities, fit_comparisons
 from tactometry.analysis.threshold.fitting import fitting
 from tactometry.experiments.bias_study.comparisons import N_AT_STANDARD, STANDARD, STANDARD_LEVELS, answers_to_standard
-
-STUDY = "texture-discrimination"
 
 
 @pytest.mark.parametrize("above_db", [0.0, 12.0])
@@ -98,45 +98,36 @@ def test_pse_halves_all_answers_on_fitted_curve() -> None:
     assert found.fit.function.probability(found.fit.threshold) == pytest.approx(0.5, abs=0.03)
 
 
-def test_analyse_reports_standard_everywhere(tmp_path, capsys) -> None:
-    data, page = tmp_path / "trials.csv", tmp_path / "report.html"
-    n_more = (3, 4, 5, 8, 9)
+def comparisons(path, counts, n):
+    """Write answers of "more" by participant and force at five levels around a standard of 40 dB."""
     rows = [
-        {"participant": f"P{who}", "trial": 10 * n + k, "procedure": "constant_stimuli", "level": 36 + 2 * n}
-        | {"level_unit": "dB", "task": "comparison", "standard_level": 40, "response": int(k < n_more[n] - (k == who))}
-        for who in (1, 2, 3)
-        for n in range(5)
-        for k in range(10)
+        (who, n * k + trial, force, "constant_stimuli", 36 + 2 * k, int(trial < more))
+        for (who, force), n_more in counts.items()
+        for k, more in enumerate(n_more)
+        for trial in range(n)
     ]
-    pd.DataFrame(rows).to_csv(data, index=False)
+    table = pd.DataFrame(rows, columns=["participant", "trial", "force_n", "procedure", "level", "response"])
+    table.assign(level_unit="dB", task="comparison", standard_level=40).to_csv(path, index=False)
+    return path
+
+
+def test_analyse_reports_standard_everywhere(tmp_path, capsys) -> None:
+    counts = {(f"P{who}", 1): [more - (more == who + 1) for more in (3, 4, 5, 8, 9)] for who in (1, 2, 3)}
+    data, page = comparisons(tmp_path / "trials.csv", counts, 10), tmp_path / "report.html"
     found = json.loads(output(capsys, "analyse", data, "--report", page, "--json"))
     assert [row["standard_level"] for row in found["standard"]] == [40]
     assert [row["n_trials"] for row in found["lowest_levels"]] == [30]
     assert any("at the lowest level" in line for line in found["warnings"])
-    assert "PSE minus the standard of 40 dB" in page.read_text("utf-8")
     text = output(capsys, "analyse", data)
-    assert "PSE minus the standard of 40 dB" in text
+    for shown in (page.read_text("utf-8"), text):
+        assert "PSE minus the standard of 40 dB" in shown
     assert "Weber fraction" in text
 
 
 def test_standard_has_mean_jnd_of_group_table(tmp_path, capsys) -> None:
-    data = tmp_path / "trials.csv"
     step, slopes = (0, 0, 0, 8, 8), ((0, 2, 4, 6, 8), (0, 1, 4, 7, 8), (1, 3, 4, 6, 7), (0, 2, 5, 7, 8))
-    counts = {(f"P{who}", force): more for who, more in enumerate(slopes, 1) for force in (1, 2)}
-    rows = [
-        {"participant": who, "trial": 8 * n + k, "force_n": force, "procedure": "constant_stimuli"}
-        | {
-            "level": 36 + 2 * n,
-            "level_unit": "dB",
-            "task": "comparison",
-            "standard_level": 40,
-            "response": int(k < more),
-        }
-        for (who, force), counted in (counts | {("P1", 2): step}).items()
-        for n, more in enumerate(counted)
-        for k in range(8)
-    ]
-    pd.DataFrame(rows).to_csv(data, index=False)
+    counts = {(f"P{who}", force): more for who, more in enumerate(slopes, 1) for force in (1, 2)} | {("P1", 2): step}
+    data = comparisons(tmp_path / "trials.csv", counts, 8)
     found = json.loads(output(capsys, "analyse", data, "--json"))
     (group,) = (one["group"] for one in found["outcomes"] if one["dependent"] == "jnd")
     of_group = [[row["mean"], row["mean_low"], row["mean_high"], row["n"]] for row in group]
@@ -145,6 +136,109 @@ def test_standard_has_mean_jnd_of_group_table(tmp_path, capsys) -> None:
 
 
 def test_dry_run_warns_of_standard_near_threshold(capsys) -> None:
-    said = output(capsys, "run", STUDY, "--participant", "P01", "--dry-run")
-    assert "WARNING: the standard (40 dB re 1 V) is 6.9 dB above the predicted threshold" in said
-    assert "some participants may not feel it" in said
+    text = output(capsys, "run", "texture-discrimination", "--participant", "P01", "--dry-run")
+    assert "WARNING: the standard (40 dB re 1 V) is 6.9 dB above the predicted threshold" in text
+    assert "some participants may not feel it" in text
+
+
+LEVELS, N_TRIALS = (10.0, 16.0, 22.0, 28.0, 34.0), 40
+WITHOUT = (20, 24, 34, 40, 40)
+WITH = (20, 24, 32, 35, 36)
+FEW_EASY = (21, 22, 24, 28, 33)
+
+
+def cells(*answers, task="forced_choice", people=4):
+    """Four participants, who answer alike, in conditions a, b, ..."""
+    return [
+        Cell(f"P{n}", ("ab"[place],), task, LEVELS, n_yes, (N_TRIALS,) * 5, n_catch=20, n_false_alarms=1)
+        for n in range(people)
+        for place, n_yes in enumerate(answers)
+    ]
+
+
+def compared(*answers, **options):
+    table = lapse_table(estimates(cells(*answers, **options), "dB"), ["posture"])
+    return table, list(lapse_warnings(table, ["posture"]))
+
+
+def test_different_lapse_rates_have_warning():
+    table, (warning,) = compared(WITHOUT, WITH)
+    assert table["lapse_rate"].tolist() == pytest.approx([0.0, 0.1], abs=0.04)
+    assert "from 0.0 [0.0, " in warning
+    assert "for this reason alone" in warning
+
+
+@pytest.mark.parametrize("answers", [(WITHOUT, WITHOUT), (WITH, WITH), (WITHOUT, FEW_EASY), (WITH,)])
+def test_equal_or_unknown_lapses_have_no_warning(answers):
+    assert not compared(*answers)[1]
+
+
+def test_rates_of_yes_are_compared_too():
+    yes = [tuple(2 * n - N_TRIALS for n in answers) for answers in (WITHOUT, WITH)]
+    assert len(compared(*yes, task="yes_no")[1]) == 1
+
+
+def test_analyse_warns_of_different_lapses(tmp_path, capsys):
+    rows = [
+        (cell.participant, cell.condition[0], level, "dB", "forced_choice", 1, 2 - (n < n_yes))
+        for cell in cells(WITHOUT, WITH, people=2)
+        for level, n_yes in zip(cell.levels, cell.n_yes, strict=True)
+        for n in range(N_TRIALS)
+    ]
+    names = ["participant", "posture", "level", "level_unit", "task", "target", "response"]
+    pd.DataFrame(rows, columns=names).to_csv(tmp_path / "t.csv", index=False)
+    found = json.loads(output(capsys, "analyse", tmp_path / "t.csv", "--within", "posture", "--json"))
+    assert [row["lapse_rate"] for row in found["lapse_rates"]] == pytest.approx([0.0, 0.1], abs=0.04)
+    assert any("lapse rates of forced_choice differ" in text for text in found["warnings"])
+
+
+def estimate(level: float = 20.0, k=(0, 3, 7, 10)) -> Estimate:
+    levels = tuple(level + step for step in range(4))
+    (made,) = estimates([Cell("P01", (level,), "yes_no", levels, k, (10,) * 4, 0, 0)])
+    return made
+
+
+@pytest.fixture(scope="module")
+def panel() -> Panel:
+    return Panel(estimate(), left=1.0, bottom=2.0, width=3.0, height=1.0, low=20.0, high=23.0)
+
+
+def test_panel_clips_levels_to_its_axis(panel: Panel) -> None:
+    x = panel.x([20.0, 21.5, 23.0])
+    assert x[1] == pytest.approx(2.5)
+    assert 1.0 < x[0] < x[2] < 4.0
+    np.testing.assert_allclose(panel.x([-100.0, 100.0]), [1.0, 4.0])
+
+
+def test_panel_contains_rates_and_threshold_bar(panel: Panel) -> None:
+    bar, nothing, all_ = panel.y([-0.06, 0.0, 1.0])
+    assert 2.0 < bar < nothing < all_ < 3.0
+
+
+@pytest.mark.parametrize(("low", "high"), [(20.0, 23.0), (-10.0, 46.0), (0.001, 0.0042), (-1e-6, 3e5)])
+def test_ticks_are_round_levels_of_the_axis(low: float, high: float) -> None:
+    ticks = Panel(estimate(), 0.0, 0.0, 1.0, 1.0, low, high).ticks
+    assert 1 <= len(ticks) <= 4
+    assert all(low <= tick <= high and len(f"{tick:g}") <= 7 for tick in ticks)
+
+
+def test_open_interval_extends_to_axis_end() -> None:
+    above = Panel(estimate(k=(0, 0, 0, 0)), 0.0, 0.0, 1.0, 1.0, 20.0, 23.0)
+    assert above.estimate.fit.threshold is None
+    low, high = above.interval
+    assert (low, high) == (above.estimate.fit.interval_low, 23.0)
+
+
+def test_curve_figure_titles_panels_up_to_maximum() -> None:
+    many = [estimate(20.0 + n) for n in range(MAX_PANELS + 2)]
+    svg = curve_figure(many, ["frequency_hz"], unit="dB").svg
+    titles = [f">{20 + n} Hz<" in svg for n in range(MAX_PANELS + 2)]
+    assert titles == [True] * MAX_PANELS + [False] * 2
+    assert "Level (dB)" in svg
+
+
+def test_curve_figure_draws_catch_only_and_single_level() -> None:
+    (single,) = estimates([Cell("P01", ("b",), "yes_no", (5.0,), (3,), (9,), 0, 0)])
+    (catch,) = estimates([Cell("P01", ("a",), "yes_no", (), (), (), 3, 1)])
+    assert curve_figure([catch], ["hand"], unit="").svg.startswith("<svg")
+    assert curve_figure([catch, single], ["hand"], unit="").svg.startswith("<svg")

@@ -1,4 +1,4 @@
-"""Tests of reading trials tables and of their errors."""
+"""Tests of reading trials tables, of their errors, and of reserved names."""
 
 import re
 from pathlib import Path
@@ -8,10 +8,12 @@ from click.testing import CliRunner
 from examples import examples
 from hypothesis import HealthCheck, given, strategies as st
 
-from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.cli.analyse import command
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError
+from tactometry.trials.columns import DERIVED, RESERVED
 
 HEADER = "participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response,correct,valid,catch"
 ROW = "P01,1,s,1,1,0.5,staircase,20,dB re 1 V,yes_no,1,1,1,0"
@@ -42,127 +44,71 @@ def test_reads_numbers_flags_and_factors(tmp_path: Path) -> None:
     assert trials.rows["row"].tolist() == [2, 3]
 
 
-@pytest.mark.parametrize(
-    "content",
-    [
-        "\ufeff" + HEADER + "\n" + ROW + "\n",
-        HEADER + "\r\n" + ROW + "\r\n",
-        HEADER + "\n\n" + ROW + "\n\n\n",
-        HEADER + "\n" + ROW,
-        ",".join(f'"{name}"' for name in HEADER.split(",")) + "\n" + ",".join(f'"{cell}"' for cell in ROW.split(",")),
-        HEADER + ",remark\n" + ROW + ',"a, b"\n',
-    ],
-    ids=["byte-order mark", "Windows line ends", "blank lines", "no end of line", "quoted", "extra column"],
-)
-def test_csv_of_other_programs_is_read(tmp_path: Path, content: str) -> None:
-    file = tmp_path / "trials.csv"
-    file.write_bytes(content.encode())
-    rows = read_trials(file).rows
-    assert (len(rows), rows["level"][0], rows["force_n"][0]) == (1, 20.0, 0.5)
-
-
-def test_shuffled_columns_and_rows_are_read_alike(tmp_path: Path) -> None:
-    names, cells = HEADER.split(","), ROW.split(",")
-    order = [*range(4), 10, 4, 5, 6, 9, 7, 8, 11, 12, 13]
-    trials = read_trials(
-        written(tmp_path, ",".join(names[i] for i in order), ",".join(cells[i] for i in order)), within=["force_n"]
-    )
-    assert (trials.factors, trials.rows["level"][0], trials.rows["response"][0]) == (("force_n",), 20.0, "1")
-
-
-def test_tab_separated_files_are_recognised_by_name(tmp_path: Path) -> None:
-    file = tmp_path / "beh.tsv"
-    file.write_text(f"{HEADER}\n{ROW}\n".replace(",", "\t"))
-    assert len(read_trials(file).rows) == 1
-
-
 def test_used_rows_exclude_invalid_unanswered_and_practice(tmp_path: Path) -> None:
     header = HEADER + ",practice"
     rows = [ROW + ",0", changed("valid", "0") + ",", changed("response", "") + ",", ROW + ",1"]
     assert used_rows(read_trials(written(tmp_path, header, *rows)))["row"].tolist() == [2]
 
 
-def test_foreign_table_is_read_with_column_map(tmp_path: Path) -> None:
-    table = written(tmp_path, "subj,contrast,key,cond", "AB,0.1,1,x", "AB,0.2,0,y")
-    mapping = tmp_path / "map.toml"
-    mapping.write_text(
-        '[columns]\nparticipant = "subj"\nlevel = "contrast"\nresponse = "key"\n[constants]\ntask = "yes_no"\n'
-    )
-    trials = read_trials(table, within=["cond"], column_map=read_column_map(mapping))
-    assert trials.rows["level"].tolist() == [0.1, 0.2]
-    assert trials.rows["cond"].tolist() == ["x", "y"]
+BLANK = "save it as comma-separated values with decimal points, or set the separator in a column map"
+FACTORS = "'trial' and 'procedure'; name the factors with --within A,B (--within '' if there are none)"
 
 
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        (["", ""], "{}: found an empty file, expected a header and trials"),
-        ([HEADER], "{}: found no row below the header, expected at least one trial"),
+        (["", ""], ": found an empty file, expected a header and trials"),
+        ([HEADER], ": found no row below the header, expected at least one trial"),
         (
             [HEADER.replace("level,", "levl,", 1), ROW],
-            "{}: found no column 'level'; assign it in a column map (--columns); did you mean 'levl'?",
+            ": found no column 'level'; assign it in a column map (--columns); did you mean 'levl'?",
         ),
-        ([HEADER.replace(",task", ",level"), ROW], "{}, row 1: found the column 'level' twice, expected unique names"),
-        (
-            [HEADER.replace(",task", ","), ROW],
-            "{}, row 1: found no name for column 10, expected a name for each column",
-        ),
+        ([HEADER.replace(",task", ",level"), ROW], ", row 1: found the column 'level' twice, expected unique names"),
+        ([HEADER.replace(",task", ","), ROW], ", row 1: found no name for column 10, expected a name for each column"),
         (
             [HEADER.replace(",procedure", ",rule"), ROW],
-            "{}: found no column 'procedure', expected the factors between "
-            "'trial' and 'procedure'; name the factors with --within A,B (--within '' if there are none)",
+            f": found no column 'procedure', expected the factors between {FACTORS}",
         ),
-        ([HEADER, ROW, ROW + ",1"], "{}, row 3: found 15 cells, expected 14 as in the header"),
-        ([HEADER, ROW, "P01,1,s"], "{}, row 3: found 3 cells, expected 14 as in the header"),
-        (
-            [HEADER, ROW, changed("participant", "Jane Doe")],
-            "{}, row 3, column 'participant': found 'Jane Doe', expected " + CODE + "; assign codes in a column map "
-            "(--columns), below [values.participant]: 'Jane Doe' = 'P1'",
-        ),
-        ([HEADER, changed("participant", "")], "{}, row 2, column 'participant': found nothing, expected " + CODE),
-        ([HEADER, changed("task", "yesno")], "{}, row 2, column 'task': found 'yesno', expected one of " + TASKS),
-        (
-            [HEADER, ROW, changed("level", "loud")],
-            "{}, row 3, column 'level': found 'loud', expected a finite number or nothing",
-        ),
-        (
-            [HEADER, changed("level", "inf")],
-            "{}, row 2, column 'level': found 'inf', expected a finite number or nothing",
-        ),
-        ([HEADER, changed("level", '"20,5"')], "{}, row 2, column 'level': found '20,5', expected a decimal point"),
-        (
-            [HEADER, changed("level", "")],
-            "{}, row 2, column 'level': found nothing, expected a level, or 1 in the column 'catch'",
-        ),
-        (
-            [HEADER, changed("response", "2")],
-            "{}, row 2, column 'response': found '2', expected 1, 0 or nothing (task yes_no)",
-        ),
-        (
-            [HEADER, changed("task", "forced_choice").replace(",1,1,1,0", ",left,1,1,0")],
-            "{}, row 2, column 'response': found 'left', expected the number of an interval, from 1 to 999, or "
-            "nothing (task forced_choice); translate it in a column map (--columns), below "
-            "[values.response], for example: 'left' = 1",
-        ),
-        (
-            [HEADER, changed("correct", "yes")],
-            "{}, row 2, column 'correct': found 'yes', expected 1, 0 or nothing; translate it in a column map "
-            "(--columns), below [values.correct], for example: 'yes' = 1",
-        ),
-        ([HEADER, changed("valid", "2")], "{}, row 2, column 'valid': found '2', expected 1, 0 or nothing"),
-        ([HEADER, changed("block", "1.5")], "{}, row 2, column 'block': found '1.5', expected a whole number from 0"),
-        ([HEADER, changed("force_n", "")], "{}, row 2, column 'force_n': found nothing, expected the factor's value"),
+        ([HEADER, ROW, ROW + ",1"], ", row 3: found 15 cells, expected 14 as in the header"),
+        ([HEADER, ROW, "P01,1,s"], ", row 3: found 3 cells, expected 14 as in the header"),
         (
             [HEADER.replace(",", ";"), ROW],
-            "{}, row 1: found columns separated by ;, expected commas, or tabs in a .tsv file; "
-            "save it as comma-separated values with decimal points, or set the separator in a column map",
+            f", row 1: found columns separated by ;, expected commas, or tabs in a .tsv file; {BLANK}",
         ),
-        ([HEADER, '"P01' + ROW[3:]], "{}: found an unclosed quotation mark, expected quotation marks in pairs"),
+        ([HEADER, '"P01' + ROW[3:]], ": found an unclosed quotation mark, expected quotation marks in pairs"),
     ],
 )
 def test_damaged_table_is_rejected_with_one_sentence(tmp_path: Path, lines: list[str], message: str) -> None:
     file = written(tmp_path, *lines)
-    with pytest.raises(InvalidFile, match=f"^{re.escape(message.format(file))}$"):
+    with pytest.raises(InvalidFile, match=f"^{re.escape(str(file) + message)}$"):
+        read_trials(file)
+
+
+MAP_OF = "in a column map (--columns), below"
+YES = "[values.correct], for example: 'yes' = 1"
+
+
+@pytest.mark.parametrize(
+    ("column", "cell", "message"),
+    [
+        ("participant", "", f"nothing, expected {CODE}"),
+        ("participant", "J D", f"'J D', expected {CODE}; assign codes {MAP_OF} [values.participant]: 'J D' = 'P1'"),
+        ("task", "yesno", f"'yesno', expected one of {TASKS}"),
+        ("level", "loud", "'loud', expected a finite number or nothing"),
+        ("level", "inf", "'inf', expected a finite number or nothing"),
+        ("level", '"20,5"', "'20,5', expected a decimal point"),
+        ("level", "", "nothing, expected a level, or 1 in the column 'catch'"),
+        ("response", "2", "'2', expected 1, 0 or nothing (task yes_no)"),
+        ("correct", "yes", f"'yes', expected 1, 0 or nothing; translate it {MAP_OF} {YES}"),
+        ("valid", "2", "'2', expected 1, 0 or nothing"),
+        ("block", "1.5", "'1.5', expected a whole number from 0"),
+        ("force_n", "", "nothing, expected the factor's value"),
+    ],
+)
+def test_invalid_cell_is_rejected_with_its_place(tmp_path: Path, column: str, cell: str, message: str) -> None:
+    file = written(tmp_path, HEADER, ROW, changed(column, cell))
+    expected = re.escape(f"{file}, row 3, column '{column}': found {message}")
+    with pytest.raises(InvalidFile, match=f"^{expected}$"):
         read_trials(file)
 
 
@@ -181,12 +127,11 @@ def test_missing_files_and_columns_are_named(tmp_path: Path) -> None:
         read_trials(tmp_path / "nowhere")
     with pytest.raises(InvalidFile, match=re.escape("found no data/*_data.csv")):
         read_trials(tmp_path)
+    file = written(tmp_path, HEADER, ROW)
     with pytest.raises(InvalidParameter, match=r"--within: found 'forc_n', .*; did you mean 'force_n'"):
-        read_trials(written(tmp_path, HEADER, ROW), within=["forc_n"])
-    with pytest.raises(InvalidParameter) as refused:
-        read_trials(written(tmp_path, HEADER, ROW), within=["source"])
-    assert not str(refused.value).endswith("did you mean 'source'?")
-    assert "--within: found 'source', expected columns of" in str(refused.value)
+        read_trials(file, within=["forc_n"])
+    with pytest.raises(InvalidParameter, match=r"--within: found 'source', expected columns of .*(?<!'source'\?)$"):
+        read_trials(file, within=["source"])
 
 
 def test_files_of_different_studies_are_refused(tmp_path: Path) -> None:
@@ -218,19 +163,6 @@ def test_a_damaged_column_map_is_refused(tmp_path: Path, text: str, message: str
         read_column_map(file)
 
 
-def test_column_map_must_name_existing_columns(tmp_path: Path) -> None:
-    file = written(tmp_path, HEADER, ROW)
-    with pytest.raises(
-        InvalidFile,
-        match=re.escape("found no column 'lvl', which the column map assigns to 'level'; did you mean 'level'?"),
-    ):
-        read_trials(file, column_map=ColumnMap({"level": "lvl"}))
-    with pytest.raises(
-        InvalidFile, match=re.escape("found a column 'level', but the column map assigns 'block' to this name")
-    ):
-        read_trials(file, column_map=ColumnMap({"level": "block"}))
-
-
 @given(content=st.binary(max_size=400))
 @examples(150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_random_bytes_are_rejected_and_left_unchanged(tmp_path: Path, content: bytes) -> None:
@@ -253,3 +185,54 @@ def test_randomly_damaged_table_never_causes_traceback(tmp_path: Path, data: st.
     result = CliRunner().invoke(command, [str(file), "--json"])
     assert result.exception is None or isinstance(result.exception, TactometryError)
     assert file.read_bytes() == bytes(content)
+
+
+OF_FACTOR = "participant,session,study,block,trial,{},procedure,level,level_unit,task,response"
+
+
+def table(path: Path, factor: str) -> Path:
+    rows = [
+        f"P{participant},1,x,1,{trial},{condition},constant_stimuli,{level},dB,yes_no,{int(level > 3 - shift)}"
+        for participant in (1, 2, 3)
+        for condition, shift in (("a", 0), ("b", 1))
+        for trial, level in enumerate((1, 2, 3, 4, 5, 2, 3, 4), 1)
+    ]
+    file = path / "c.csv"
+    file.write_text("\n".join([OF_FACTOR.format(factor), *rows]) + "\n")
+    return file
+
+
+def test_factor_with_unreserved_name_is_analysed(tmp_path):
+    found = analyse(table(tmp_path, "colour"))
+    assert found.trials.factors == ("colour",)
+    assert found.tables["thresholds"]["colour"].tolist() == ["a", "b"] * 3
+
+
+@pytest.mark.parametrize("name", sorted(DERIVED))
+def test_factor_with_reserved_name_is_rejected(tmp_path, name):
+    with pytest.raises(InvalidFile, match=f"row 1: found '{name}' between 'trial' and 'procedure'"):
+        analyse(table(tmp_path, name))
+
+
+def test_every_column_that_an_analysis_adds_is_reserved(tmp_path):
+    found = analyse(table(tmp_path, "colour"))
+    named = ("thresholds", "rates", "mean_rates", "quality", "group_threshold")
+    added = {column for name in named for column in found.tables[name]} - {"colour"}
+    assert added <= RESERVED
+
+
+@pytest.mark.parametrize("name", ["level", "response", "task", "participant"])
+def test_measured_column_is_rejected_as_factor(tmp_path, name):
+    with pytest.raises(InvalidParameter, match=f"--within: found '{name}', a reserved name"):
+        analyse(table(tmp_path, "colour"), within=[name])
+
+
+def test_sessions_and_blocks_may_be_compared(tmp_path):
+    assert analyse(table(tmp_path, "colour"), within=["session", "colour"]).trials.factors == ("session", "colour")
+
+
+def test_levels_with_infinite_range_are_rejected(tmp_path):
+    file = table(tmp_path, "colour")
+    file.write_text(file.read_text().replace(",5,dB", ",1e308,dB").replace(",1,dB", ",-1e308,dB"))
+    with pytest.raises(InvalidParameter, match=r"found -1e\+308, expected an absolute value of at most 1e\+300"):
+        analyse(file)

@@ -1,15 +1,17 @@
-"""Tests of threshold fits: published values, peers and invariances."""
+"""Tests of threshold fits: published values, peers, invariances and hard cases."""
 
 import math
 import re
 
+import mpmath
 import numpy as np
 import pytest
-from hard_cases import hard_case
+from hard_cases import exact_case, hard_case
 from hypothesis import given, settings, strategies as st
 from matlab_cases import MATLAB, matlab_case
 
 from tactometry.analysis.threshold.fitting import METHODS, Status, ThresholdFit, fit, fit_many
+from tactometry.analysis.threshold.likelihood import by_point
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES
 
@@ -26,8 +28,7 @@ def fitted(n_correct, levels=SEVEN, n=20, **options) -> ThresholdFit:
 
 
 def log_likelihood(found: ThresholdFit, levels, k, n) -> float:
-    yes = found.function.log_probability(levels, 1)
-    no = found.function.log_probability(levels, 0)
+    yes, no = (found.function.log_probability(levels, answer) for answer in (1, 0))
     return float(np.sum(np.array(k) * yes + (np.array(n) - np.array(k)) * no))
 
 
@@ -55,10 +56,7 @@ def test_maximum_likelihood_weibull_of_the_published_set() -> None:
 
 
 def test_published_set_has_mode_and_interval_of_psignifit() -> None:
-    """psignifit 4.3: threshold 0.0046464, width 0.0046632 (within 1 %).
-
-    Its interval includes overdispersion.
-    """
+    """psignifit 4.3 within 1 %; its interval includes overdispersion."""
     found = fitted(CORRECT, LEVELS, 90)
     assert found.threshold == pytest.approx(0.0046464, rel=0.01)
     assert found.width == pytest.approx(0.0046632, rel=0.01)
@@ -67,7 +65,6 @@ def test_published_set_has_mode_and_interval_of_psignifit() -> None:
 
 @pytest.mark.parametrize("name", MATLAB)
 def test_posterior_mode_of_matlab_psignifit(name: str) -> None:
-    """All modes are without overdispersion, as in the binomial model."""
     counts, options, expected = matlab_case(name)
     found, tolerance = fit(*counts, **options), expected["tol"]
     assert found.threshold == pytest.approx(expected["MAP"][0], abs=tolerance["MAP_threshold_abs"])
@@ -101,9 +98,7 @@ def test_palamedes_demonstration() -> None:
 def test_uninformative_data_have_status_without_threshold(n_correct, options, status, method) -> None:
     found = fitted(n_correct, method=method, **options)
     assert found.status == status
-    assert found.threshold is None
-    assert found.width is None
-    assert found.function is None
+    assert (found.threshold, found.width, found.function) == (None, None, None)
     assert found.note
     ends = [end is not None for end in (found.interval_low, found.interval_high)]
     assert any(ends)
@@ -145,12 +140,8 @@ def test_perfect_step_has_threshold_and_width_bound(method, guess_rate) -> None:
     assert found.interval_low < found.threshold < found.interval_high
     assert found.width is None
     assert 0 < found.width_high < 6
-
-
-def test_likelihood_threshold_of_step_is_midpoint() -> None:
-    assert fitted([0, 0, 0, 20, 20, 20, 20], guess_rate=0.0, method="likelihood").threshold == pytest.approx(
-        3.5, rel=1e-12
-    )
+    if (method, guess_rate) == ("likelihood", 0.0):
+        assert found.threshold == pytest.approx(3.5, rel=1e-12)
 
 
 def test_single_level_has_proportion_with_exact_interval() -> None:
@@ -209,23 +200,17 @@ def test_a_huge_offset_with_a_small_spread() -> None:
 @given(order=st.permutations(range(7)), split=st.integers(1, 9))
 @settings(max_examples=15, deadline=None)
 def test_neither_order_nor_splitting_of_rows_matters(order, split) -> None:
-    levels = np.array(SEVEN, float)[list(order)]
-    k = np.array(RISING)[list(order)]
-    part_k, part_n = np.minimum(k, split), np.full(7, split)
+    levels, k = (np.array(values)[list(order)] for values in (SEVEN, RISING))
+    part = np.minimum(k, split)
     whole = fitted(RISING)
-    shuffled = fit(
-        np.r_[levels, levels], np.r_[part_k, k - part_k], np.r_[part_n, 20 - part_n], shape="normal", guess_rate=0.5
-    )
+    shuffled = fitted(np.r_[part, k - part], np.r_[levels, levels], np.repeat([split, 20 - split], 7))
     assert shuffled.threshold == pytest.approx(whole.threshold, rel=1e-9)
     assert shuffled.interval_high == pytest.approx(whole.interval_high, rel=1e-9)
     assert shuffled.n_levels == 7
 
 
 def test_levels_that_differ_by_rounding_are_one_level() -> None:
-    levels = [*SEVEN, 4 + 1e-12]
-    found = fit(
-        levels, [*RISING[:3], 8, *RISING[4:], 7], [20, 20, 20, 10, 20, 20, 20, 10], shape="normal", guess_rate=0.5
-    )
+    found = fitted([*RISING[:3], 8, *RISING[4:], 7], [*SEVEN, 4 + 1e-12], [20, 20, 20, 10, 20, 20, 20, 10])
     assert found.n_levels == 7
     assert found.threshold == pytest.approx(fitted(RISING).threshold, rel=1e-9)
 
@@ -252,16 +237,8 @@ def test_catch_trials_affect_free_guess_rate() -> None:
     assert few.threshold < many.threshold
 
 
-def test_intervals_shrink_with_root_of_trials() -> None:
-    once, many = fitted(RISING), fitted([16 * k for k in RISING], n=320)
-    ratio = (once.interval_high - once.interval_low) / (many.interval_high - many.interval_low)
-    assert 3.0 < ratio < 5.5
-
-
-def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
-    for counts in ([20] * 7, [0] * 7, [0, 0, 0, 20, 20, 20, 20], RISING):
-        fitted(counts, guess_rate=None)
-    assert not recwarn.list
+SHAPES_OF, RATES = "levels, n_correct, n_trials: found the shapes", "guess_rate, lapse_rate: "
+NO_LOGARITHM = "levels, row 0: found 0, expected a level above 0, as its logarithm is fitted"
 
 
 @pytest.mark.parametrize(
@@ -271,51 +248,20 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
         ({"levels": [1, 2, -math.inf]}, "levels, row 2: found -inf, expected a finite number" + ROWS),
         ({"levels": [1, "2", 3]}, "levels, row 0: found '1', expected a number"),
         ({"levels": [1, None, 3]}, "levels, row 1: found None, expected a number"),
-        (
-            {"n_correct": [1, 2, 21]},
-            "n_correct, row 2: found 21, expected at most n_trials of the row" + ROWS,
-        ),
-        (
-            {"n_correct": [-1, 2, 3]},
-            "n_correct, row 0: found -1, expected a whole number, 0 or more" + ROWS,
-        ),
-        (
-            {"n_correct": [1, 9.5, 3]},
-            "n_correct, row 1: found 9.5, expected a whole number, 0 or more" + ROWS,
-        ),
-        (
-            {"n_correct": [1, math.nan, 3]},
-            "n_correct, row 1: found nan, expected a whole number, 0 or more" + ROWS,
-        ),
-        (
-            {"n_trials": [20, 20, math.inf]},
-            "n_trials, row 2: found inf, expected a whole number, 0 or more" + ROWS,
-        ),
-        (
-            {"n_trials": [20, 20]},
-            "levels, n_correct, n_trials: found the shapes (1, 3), (1, 3), (1, 2), expected equal shapes",
-        ),
-        (
-            {"n_correct": [9]},
-            "levels, n_correct, n_trials: found the shapes (1, 3), (1, 1), (1, 3), expected equal shapes",
-        ),
+        ({"n_correct": [1, 2, 21]}, "n_correct, row 2: found 21, expected at most n_trials of the row" + ROWS),
+        ({"n_correct": [-1, 2, 3]}, "n_correct, row 0: found -1, expected a whole number, 0 or more" + ROWS),
+        ({"n_correct": [1, 9.5, 3]}, "n_correct, row 1: found 9.5, expected a whole number, 0 or more" + ROWS),
+        ({"n_correct": [1, math.nan, 3]}, "n_correct, row 1: found nan, expected a whole number, 0 or more" + ROWS),
+        ({"n_trials": [20, 20, math.inf]}, "n_trials, row 2: found inf, expected a whole number, 0 or more" + ROWS),
+        ({"n_trials": [20, 20]}, f"{SHAPES_OF} (1, 3), (1, 3), (1, 2), expected equal shapes"),
+        ({"n_correct": [9]}, f"{SHAPES_OF} (1, 3), (1, 1), (1, 3), expected equal shapes"),
         ({"levels": [[1, 2, 3]]}, "levels: found 2 dimensions, expected 1; use fit_many for stacks of data sets"),
-        (
-            {"shape": "norml"},
-            "shape: found 'norml', expected one of normal, logistic, gumbel, reversed_gumbel, weibull"
-            "; did you mean 'normal'?",
-        ),
-        (
-            {"shape": "weibull", "levels": [0, 1, 2]},
-            "levels, row 0: found 0, expected a level above 0, as its logarithm is fitted" + ROWS,
-        ),
+        ({"shape": "norml"}, f"shape: found 'norml', expected one of {', '.join(SHAPES)}; did you mean 'normal'?"),
+        ({"shape": "weibull", "levels": [0, 1, 2]}, NO_LOGARITHM + ROWS),
         ({"method": "bayes"}, "method: found 'bayes', expected one of posterior, likelihood"),
         ({"interval": 95}, "fit.interval: found 95, expected a number above 0 and below 1"),
         ({"guess_rate": 1.0}, "fit.guess_rate: found 1.0, expected a number from 0 to below 1"),
-        (
-            {"guess_rate": 0.5, "lapse_rate": 0.5},
-            "guess_rate, lapse_rate: found 0.5 and 0.5, expected a sum below 1 (a free rate may reach 0.5)",
-        ),
+        ({"lapse_rate": 0.5}, RATES + "found 0.5 and 0.5, expected a sum below 1 (a free rate may reach 0.5)"),
         ({"n_false_alarms": 3, "n_catch": 2}, "n_false_alarms: found [3], expected at most n_catch, [2]"),
     ],
 )
@@ -339,3 +285,106 @@ def test_fit_has_default_shape_and_free_guess_rate() -> None:
 @pytest.mark.parametrize("k", [[10] * 3 + [20] * 4, [20] * 7])
 def test_method_is_posterior_when_likelihood_has_no_maximum(k) -> None:
     assert fitted(k, method="likelihood").method == "posterior"
+
+
+DIGITS = 50
+CDF = {
+    "normal": lambda z: mpmath.erfc(-z / mpmath.sqrt(2)) / 2,
+    "logistic": lambda z: 1 / (1 + mpmath.exp(-z)),
+    "gumbel": lambda z: -mpmath.expm1(-mpmath.exp(z)),
+    "reversed_gumbel": lambda z: mpmath.exp(-mpmath.exp(-z)),
+}
+SURVIVAL = {
+    "normal": lambda z: mpmath.erfc(z / mpmath.sqrt(2)) / 2,
+    "logistic": lambda z: 1 / (1 + mpmath.exp(z)),
+    "gumbel": lambda z: mpmath.exp(-mpmath.exp(z)),
+    "reversed_gumbel": lambda z: -mpmath.expm1(-mpmath.exp(-z)),
+}
+
+
+def exact(shape, z, guess, lapse, n_yes, n_no):
+    span = 1 - guess - lapse
+    yes, no = guess + span * CDF[shape](z), lapse + span * SURVIVAL[shape](z)
+    return (n_yes * mpmath.log(yes) if n_yes else 0) + (n_no * mpmath.log(no) if n_no else 0)
+
+
+@pytest.mark.parametrize("shape", list(CDF))
+@pytest.mark.parametrize("rates", [(0.5, 0.02), (0.0, 0.0), (0.5, 0.0), (0.03, 0.2)], ids=str)
+@pytest.mark.parametrize("answers", [(3, 17), (0, 20), (20, 0)], ids=str)
+def test_likelihood_and_derivatives_match_50_digits(shape, rates, answers) -> None:
+    places = [-30.0, -12.0, -3.0, -0.4, 0.0, 0.7, 2.5, 4.0, 9.0, 30.0]
+    places = {"gumbel": places[:8], "reversed_gumbel": [-4.0, -2.5, 0.0, 0.7, 3.0, 12.0, 30.0]}.get(shape, places)
+    z, (guess, lapse) = np.array([[place] for place in places]), (np.full((1, 1), rate) for rate in rates)
+    n_yes, n_no = (np.full(z.shape, float(n)) for n in answers)
+    values, slopes = by_point(SHAPES[shape], z, guess, lapse, (n_yes, n_no))
+    with mpmath.workdps(DIGITS):
+        for i, place in enumerate(places):
+            arguments = (mpmath.mpf(place), mpmath.mpf(rates[0]), mpmath.mpf(rates[1]))
+
+            def value(x, g, l, *, shape=shape):  # noqa: E741
+                return exact(shape, x, g, l, *answers)
+
+            log_chance = float(value(*arguments))
+            hard_case("log-likelihood in the tails", values[i, 0], log_chance, 1e-12, against="50 digits", floor=0.1)
+            slope = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0]))
+            hard_case("slope of the likelihood", slopes.z[i, 0], slope, 1e-9, against="50 digits", floor=1e-3)
+            bend = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0], 2))
+            hard_case("curvature of the likelihood", slopes.zz[i, 0], bend, 1e-8, against="50 digits", floor=1e-3)
+            if min(rates) > 0:
+                by_lapse = float(mpmath.diff(lambda x, a=arguments: value(*a[:2], x), arguments[2]))
+                by_guess = float(mpmath.diff(lambda x, a=arguments: value(a[0], x, a[2]), arguments[1]))
+                assert slopes.lapse[i, 0] == pytest.approx(by_lapse, rel=1e-9, abs=1e-12)
+                assert slopes.guess[i, 0] == pytest.approx(by_guess, rel=1e-9, abs=1e-12)
+
+
+def test_three_hundred_levels_with_one_trial_each() -> None:
+    rng = np.random.default_rng()
+    x = rng.uniform(-4, 4, 300)
+    k = (x + rng.logistic(size=300) > 0).astype(int)
+    found = fit(x, k, 1, shape="logistic", guess_rate=0.0)
+    assert found.status == Status.OK
+    assert found.n_levels == 300
+    half = (found.interval_high - found.interval_low) / 2
+    assert abs(found.threshold) < 2 * half
+
+
+def test_rows_without_trials_are_ignored() -> None:
+    one = fit(SEVEN, RISING, 20, shape="normal", guess_rate=0.5)
+    other = fit([*SEVEN, 40, -3], [*RISING, 0, 0], [20] * 7 + [0, 0], shape="normal", guess_rate=0.5)
+    numbers, expected = ({key: v for key, v in vars(found).items() if isinstance(v, float)} for found in (other, one))
+    assert numbers == pytest.approx(expected, rel=1e-12)  # sums of nine and of seven terms are rounded differently
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_nearly_equal_asymptotes_have_no_threshold(method) -> None:
+    found = fit(
+        SEVEN, [18, 18, 17, 18, 19, 18, 18], 20, shape="normal", guess_rate=0.9, lapse_rate=0.0999, method=method
+    )
+    assert found.status in (Status.FLAT, Status.ABOVE, Status.BELOW)
+    assert found.threshold is None
+    exact_case("asymptotes that all but meet", against="a status, no number")
+
+
+@pytest.mark.parametrize(
+    "levels", [[0.0, 1e-9, 2e-9, 3e-9], [0.0, 1e9, 2e9, 3e9], [1e-12, 2e-12, 3e-12, 4e-12]], ids=str
+)
+def test_levels_of_any_size_give_the_same_curve(levels) -> None:
+    one = fit([0.0, 1.0, 2.0, 3.0], [1, 6, 14, 20], 20, shape="normal", guess_rate=0.0)
+    other = fit(levels, [1, 6, 14, 20], 20, shape="normal", guess_rate=0.0)
+    spacing = levels[1] - levels[0]
+    scaled = (other.threshold - levels[0]) / spacing
+    hard_case("levels 1e-12 to 1e9 apart", scaled, one.threshold, 1e-6, against="levels 1 apart")
+    assert other.width / spacing == pytest.approx(one.width, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_levels_with_extreme_spacing_are_pooled(method) -> None:
+    found = fit([0.0, 1e-10, 2e-10, 1.0], [4, 5, 5, 19], 20, shape="normal", guess_rate=0.0, method=method)
+    assert found.n_levels == 2
+    assert found.status in (Status.TOO_FEW_LEVELS, Status.SEPARATED)
+
+
+def test_two_single_trials_are_not_ok() -> None:
+    found = fit([1.0, 2.0], [0, 1], 1, shape="normal", guess_rate=0.0)
+    assert found.status != Status.OK
+    assert found.note

@@ -1,7 +1,7 @@
-"""Tests of threshold fits against independent computations.
+"""Tests of threshold fits against a probit regression and psignifit 4.3."""
 
-They are a probit regression and the posterior of psignifit, node by node and integrated on fine grids.
-"""
+import warnings
+from functools import cache
 
 import numpy as np
 import pytest
@@ -19,24 +19,19 @@ def fitted(n_correct, **options) -> ThresholdFit:
 
 
 def test_equals_a_probit_regression_on_many_random_sets() -> None:
-    """Without guesses and lapses the model is statsmodels' binomial GLM."""
     import statsmodels.api as sm
 
     rng = np.random.default_rng()
     levels = np.arange(-3.0, 4.0)
     k = rng.binomial(25, 1 / (1 + np.exp(-1.2 * levels + rng.normal(size=(100, 1)))))
     compared = 0
-    for counts, found in zip(
-        k, fit_many(levels, k, 25, shape="normal", guess_rate=0.0, lapse_rate=0.0, method="likelihood"), strict=True
-    ):
+    fits = fit_many(levels, k, 25, shape="normal", guess_rate=0.0, lapse_rate=0.0, method="likelihood")
+    probit = sm.families.Binomial(sm.families.links.Probit())
+    for counts, found in zip(k, fits, strict=True):
         if found.status != Status.OK:
             continue
-        model = sm.GLM(
-            np.column_stack([counts, 25 - counts]),
-            sm.add_constant(levels),
-            family=sm.families.Binomial(sm.families.links.Probit()),
-        ).fit(tol=1e-12)
-        intercept, slope = model.params
+        model = sm.GLM(np.column_stack([counts, 25 - counts]), sm.add_constant(levels), family=probit)
+        intercept, slope = model.fit(tol=1e-12).params
         assert found.threshold == pytest.approx(-intercept / slope, rel=1e-6, abs=1e-7)
         assert found.width == pytest.approx(SHAPES["normal"].z_width / slope, rel=1e-6)
         compared += 1
@@ -44,10 +39,7 @@ def test_equals_a_probit_regression_on_many_random_sets() -> None:
 
 
 def psignifit_log_posterior(data, parameters, threshold_range, smallest_gap) -> float:
-    """Return psignifit 4's unnormalised log posterior.
-
-    It is written out for two alternatives without overdispersion.
-    """
+    """Return psignifit 4's unnormalised log posterior of two alternatives without overdispersion."""
     from psignifit import _priors, sigmoids
 
     m, w, lapse = parameters
@@ -61,7 +53,6 @@ def psignifit_log_posterior(data, parameters, threshold_range, smallest_gap) -> 
 
 
 def test_mode_is_more_probable_than_fine_grid() -> None:
-    """Under psignifit's own priors and likelihood."""
     pytest.importorskip("psignifit")
     rng = np.random.default_rng()
     for _ in range(50 if SOAK else 2):
@@ -115,10 +106,7 @@ def marginals(k, *, free_guess, overdispersed) -> dict[str, tuple[np.ndarray, np
 
 
 def chance_of(k, yes, no, eta) -> np.ndarray:
-    """Return the log-likelihood of k of 20 answers.
-
-    It is binomial, or beta-binomial with nu = 1 / eta^2 - 1.
-    """
+    """Return the log-likelihood of k of 20 answers, beta-binomial with nu = 1 / eta^2 - 1."""
     if not eta.any():
         return k * np.log(yes) + (20 - k) * np.log(no)
     nu = 1 / eta**2 - 1
@@ -139,10 +127,6 @@ def ends_of(nodes, masses) -> np.ndarray:
     ids=["2AFC", "yes/no", "overdispersed"],
 )
 def test_means_and_intervals_match_fine_grid_integral(free_guess, overdispersed, n_sets) -> None:
-    """They agree within 1 % of the width of psignifit's interval.
-
-    The soak has 100 random sets of each kind.
-    """
     pytest.importorskip("psignifit")
     rng, compared = np.random.default_rng(), 0
     options = {"guess_rate": None if free_guess else 0.5, "overdispersion": overdispersed, "estimate": "mean"}
@@ -162,3 +146,75 @@ def test_means_and_intervals_match_fine_grid_integral(free_guess, overdispersed,
         assert [found.width_low, found.width_high] == pytest.approx(widths.tolist(), abs=0.01 * np.ptp(widths))
         mean = (np.exp(along["width"][0]) * along["width"][1]).sum() / along["width"][1].sum()
         assert found.width == pytest.approx(mean, abs=0.01 * np.ptp(widths))
+
+
+N_SETS = 100 if SOAK else 3
+LEVELS, N_TRIALS = np.arange(1.0, 8.0), 20
+
+
+def psignifit(levels, k, n):
+    peer = pytest.importorskip("psignifit").psignifit
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return peer(np.column_stack([levels, k, np.full(len(k), n)]), sigmoid="norm", experiment_type="2AFC")
+
+
+@pytest.mark.slow
+def test_mode_is_at_least_as_probable_as_psignifits() -> None:
+    rng, n_compared = np.random.default_rng(), 0
+    while n_compared < N_SETS:
+        curve = PsychometricFunction("normal", rng.uniform(3, 5), rng.uniform(2.5, 5), 0.5, rng.uniform(0, 0.05))
+        k = rng.binomial(N_TRIALS, curve.probability(LEVELS))
+        found = fit(LEVELS, k, N_TRIALS, shape="normal", guess_rate=0.5, overdispersion=True)
+        if found.status == Status.OK:
+            theirs = psignifit(LEVELS, k, N_TRIALS).parameter_estimate_MAP
+            at_theirs = log_posterior(k, theirs["threshold"], theirs["width"], theirs["lambda"], theirs["eta"])
+            at_ours = log_posterior(k, found.threshold, found.width, found.lapse_rate, found.overdispersion)
+            assert at_ours >= at_theirs - 1e-6
+            n_compared += 1
+
+
+def log_posterior(k, threshold, width, lapse, eta) -> float:
+    """Return the log posterior of psignifit's model, written out."""
+    from psignifit import _priors, sigmoids
+
+    p = 0.5 + (0.5 - lapse) * sigmoids.sigmoid_by_name("norm")(LEVELS, threshold, width)
+    step = eta**2 / (1 - eta**2)  # rising factorials over nu: no cancellation, and the binomial at eta = 0
+    value = -len(LEVELS) * np.log1p(step * np.arange(N_TRIALS)).sum()
+    for count, chance in zip([*k, *(N_TRIALS - k)], [*p, *(1 - p)], strict=True):
+        value += np.log(chance + step * np.arange(count)).sum()
+    value += np.log(_priors.threshold_prior(np.array([threshold]), (1, 7)))[0]
+    value += np.log(_priors.width_prior(np.array([width]), 0.05, 1, 6))[0]
+    return float(value + 9 * np.log1p(-lapse) + 9 * np.log1p(-eta))
+
+
+DOCUMENTED = (
+    [0.0010, 0.0015, 0.0020, 0.0025, 0.0030, 0.0035, 0.0040, 0.0045, 0.0050, 0.0060, 0.0070, 0.0080, 0.0100],
+    [45, 50, 44, 44, 52, 53, 62, 64, 76, 79, 88, 90, 90],
+    90,
+)
+"""The example of its documentation."""
+
+
+@cache
+def few_answers():
+    """Draw ten small sets of overdispersed answers with a threshold."""
+    rng, found = np.random.default_rng(20), []
+    while len(found) < 10:
+        curve = PsychometricFunction("normal", rng.uniform(2.5, 4.5), rng.uniform(2.5, 5), 0.5, rng.uniform(0, 0.05))
+        p, nu = curve.probability(LEVELS[:6]), 1 / rng.choice([0.05, 0.15, 0.25]) ** 2 - 1
+        k = rng.binomial(24, rng.beta(nu * p, nu * (1 - p)))
+        if fit(LEVELS[:6], k, 24, shape="normal", guess_rate=0.5).status == Status.OK:
+            found.append((LEVELS[:6], k, 24))
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(11))
+def test_overdispersed_estimates_agree_with_psignifit(number) -> None:
+    answers = [DOCUMENTED, *few_answers()][number]
+    peer = psignifit(*answers)
+    found = fit(*answers, shape="normal", guess_rate=0.5, overdispersion=True)
+    tolerance = 0.01 * (found.interval_high - found.interval_low)
+    assert found.threshold_mode == pytest.approx(peer.parameter_estimate_MAP["threshold"], abs=tolerance)
+    assert found.threshold_mean == pytest.approx(peer.parameter_estimate_mean["threshold"], abs=tolerance)

@@ -8,20 +8,17 @@ import analysis_data
 import numpy as np
 import pandas as pd
 import pytest
-from places import SHARED
 
 from tactometry.analysis.hierarchical import single_fits
 from tactometry.analysis.outcomes import hierarchical_outcome as module
 from tactometry.analysis.outcomes.hierarchical_outcome import _text, group_fit
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
-from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.report.sentences import hierarchical_sentences
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.tasks.cell import Cell
-from tactometry.analysis.tasks.cells import cells, counted_answers, estimates, judgements
+from tactometry.analysis.tasks.cells import estimates
 
-WALD = r"force_n: Wald's F\(1, 4\) = "
 CONDITIONS = {(0.5,): 20.0, (3.0,): 16.0}
 
 
@@ -46,56 +43,32 @@ def test_hierarchical_thresholds_are_shrunken_and_near_truth(study, found) -> No
     reach = fit.participants["standard_error"].max()
     assert len(errors) == 10
     assert np.abs(errors).max() < 5 * reach
-    own = found.tables["thresholds"]["threshold"].std()
-    assert fit.participants["threshold"].std() < 1.1 * own
+    assert fit.participants["threshold"].std() < 1.1 * found.tables["thresholds"]["threshold"].std()
 
 
 def test_summary_reports_group_effects_variances_and_rates(found) -> None:
-    told = summary(found)["hierarchical"][0]
-    assert re.match(WALD, told["sentences"][0])
-    assert told["sentences"][1].startswith("standard deviations between 5 participants: thresholds ")
-    assert "mean lapse rate 0.0" in told["sentences"][2]
-    assert [row["force_n"] for row in told["conditions"]] == [0.5, 3.0]
-    assert len(told["participants"]) == 10
+    (fit,) = summary(found)["hierarchical"]
+    assert re.match(r"force_n: Wald's F\(1, 4\) = ", fit["sentences"][0])
+    assert fit["sentences"][1].startswith("standard deviations between 5 participants: thresholds ")
+    assert "mean lapse rate 0.0" in fit["sentences"][2]
+    assert [row["force_n"] for row in fit["conditions"]] == [0.5, 3.0]
+    assert len(fit["participants"]) == 10
 
 
 def test_report_has_hierarchical_section_tables_and_methods(found) -> None:
     page = found.report.read_text()
-    for text in (
-        "<h2>Hierarchical model of all participants</h2>",
-        "force: Wald&#39;s ",
-        "Moscatelli, A., Mezzetti",
-        "Participants (10",
-    ):
+    heading = "<h2>Hierarchical model of all participants</h2>"
+    for text in (heading, "force: Wald&#39;s ", "Moscatelli, A., Mezzetti", "Participants (10"):
         assert text in page
     assert "hierarchical psychometric model" in found.methods
-    assert (found.tables_folder / "hierarchical_yes_no.csv").exists()
-    assert (found.tables_folder / "hierarchical_yes_no_participants.csv").exists()
+    for name in ("hierarchical_yes_no", "hierarchical_yes_no_participants"):
+        assert (found.tables_folder / f"{name}.csv").exists()
 
 
 def test_plan_can_disable_hierarchical_fit(study) -> None:
     without = analyse(study[0], plan=AnalysisPlan(hierarchical=False))
     assert without.hierarchical == ()
     assert "hierarchical psychometric model" not in without.methods
-
-
-def test_equality_points_and_differences_of_real_data() -> None:
-    """Vibration raises the difference from 2.94 to 3.58 cm/s.
-
-    The point of equality does not change (Dallmann, Ernst and Moscatelli 2015).
-    """
-    path = SHARED / "data" / "dallmann2015_trials.csv"
-    if not path.exists():
-        pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")
-    trials = read_trials(path)
-    fit = group_fit(cells(counted_answers(judgements(used_rows(trials))), trials.factors), trials.factors, "cm/s")
-    by = fit.conditions.set_index("vibration_hz")
-    assert by["jnd"].to_dict() == pytest.approx({0: 2.94, 32: 3.58}, rel=0.04)
-    assert by["threshold"].to_dict() == pytest.approx({0: 8.56, 32: 8.41}, rel=0.005)
-    assert (by["jnd_low"] < by["jnd"]).all()
-    assert fit.fit.effect("vibration_hz", of="log_width").p < 0.01
-    assert fit.fit.effect("vibration_hz").p > 0.05
-    assert fit.effects == {}
 
 
 def cell(who: str, condition: tuple = (), k=(0, 3, 7, 10), **options) -> Cell:
@@ -115,23 +88,21 @@ def test_a_study_without_factors_has_one_condition() -> None:
 
 @pytest.mark.parametrize("unit", ["dB", "V"])
 def test_cells_that_were_fitted_are_not_fitted_again(monkeypatch, unit) -> None:
-    answers = {"A": (0, 3, 7, 10), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}
+    answers, factors = {"A": (0, 3, 7, 10), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}, ("force_n", "hand")
     every = [
         cell(who, (force_n, "left"), k=k, levels=tuple(force_n * x for x in range(1, 5)))
         for force_n in (1.0, 2.0)
         for who, k in answers.items()
     ]
-    factors = ("force_n", "hand")
     anew = group_fit(every, factors, unit)
     known = {estimate.cell: estimate.fit for estimate in estimates(every, unit)}
-    fitted, fit_many = [], single_fits.fit_many
-    monkeypatch.setattr(
-        single_fits, "fit_many", lambda *counts, **of: fitted.append(len(counts[0])) or fit_many(*counts, **of)
-    )
-    told = group_fit(every, factors, unit, known)
-    assert fitted == [2]  # the answers of each condition together
-    for table, expected in ((told.conditions, anew.conditions), (told.participants, anew.participants)):
-        pd.testing.assert_frame_equal(table, expected, rtol=1e-6)
+    sizes, fit_many = [], single_fits.fit_many
+    noted = lambda *counts, **options: sizes.append(len(counts[0])) or fit_many(*counts, **options)  # noqa: E731
+    monkeypatch.setattr(single_fits, "fit_many", noted)
+    again = group_fit(every, factors, unit, known)
+    assert sizes == [2]  # the answers of each condition together
+    pd.testing.assert_frame_equal(again.conditions, anew.conditions, rtol=1e-6)
+    pd.testing.assert_frame_equal(again.participants, anew.participants, rtol=1e-6)
 
 
 def test_false_alarms_raise_guess_rate() -> None:
@@ -144,65 +115,56 @@ def test_false_alarms_raise_guess_rate() -> None:
 
 def test_thresholds_out_of_range_are_printed_as_bounds() -> None:
     ends = [{"interval_low": 2.0, "interval_high": None}, {"interval_low": None, "interval_high": 2.0}]
-    told = [_text(pd.Series({"threshold": None} | end)) for end in ends]
-    assert told == ["> 2.00", "< 2.00"]
+    assert [_text(pd.Series({"threshold": None} | end)) for end in ends] == ["> 2.00", "< 2.00"]
 
 
 def test_a_factor_between_participants_is_not_tested() -> None:
-    found = group_fit(
-        [cell("A", ("x",)), cell("B", ("x",), k=(1, 4, 8, 10)), cell("C", ("y",)), cell("D", ("y",), k=(1, 4, 9, 10))],
-        ["hand"],
-        "",
-    )
+    answers = {"A": (0, 3, 7, 10), "B": (1, 4, 8, 10), "C": (0, 3, 7, 10), "D": (1, 4, 9, 10)}
+    found = group_fit([cell(who, ("xxyy"["ABCD".index(who)],), k=k) for who, k in answers.items()], ["hand"], "")
     assert found.effects == {}
     assert "no test of effects: hand does not vary within participants" in hierarchical_sentences(found, "")[-1]
 
 
 def test_forced_choices_guess_at_their_chance() -> None:
     choices = [replace(cell(who, task="forced_choice", k=(3, 5, 8, 10)), n_choices=4) for who in "ABC"]
-    fit = group_fit(choices, [], "")
-    assert fit.fit.guess_rate == 0.25
+    assert group_fit(choices, [], "").fit.guess_rate == 0.25
 
 
 @pytest.mark.parametrize(
-    ("found", "note"),
+    ("answers", "note"),
     [
         ([cell(who, k=(0, 0, 0, 0)) for who in "ABC"], "no hierarchical fit: no participant has a threshold"),
         ([cell(who, levels=(), k=(), n_trials=()) for who in "AB"], "no hierarchical fit: no trial has a level"),
     ],
 )
-def test_missing_hierarchical_fit_has_reason(found, note) -> None:
-    told = group_fit(found, [], "")
-    assert told.fit is None
-    assert hierarchical_sentences(told, "")[0].startswith(note)
-    assert told.tables("yes_no") == {}
+def test_missing_hierarchical_fit_has_reason(answers, note) -> None:
+    found = group_fit(answers, [], "")
+    assert found.fit is None
+    assert hierarchical_sentences(found, "")[0].startswith(note)
+    assert found.tables("yes_no") == {}
 
 
 def test_very_many_cells_are_left_to_the_function(monkeypatch) -> None:
     monkeypatch.setattr(module, "MOST_CELLS", 2)
-    assert group_fit([cell(who) for who in "ABC"], [], "").note.startswith(
-        "no hierarchical fit: 3 cells, a report fits at most 2"
-    )
+    note = group_fit([cell(who) for who in "ABC"], [], "").note
+    assert note.startswith("no hierarchical fit: 3 cells, a report fits at most 2")
     assert group_fit([cell(who) for who in "AB"], [], "").fit is not None
 
 
 def test_comparison_model_is_described_without_effect_test() -> None:
     answers = {"A": (1, 3, 7, 9), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}
     each = [cell(who, task="comparison", k=k, condition=(x,)) for who, k in answers.items() for x in (1.0, 2.0)]
-    outcome = group_fit(each, ["force_n"], "")
-    assert outcome.effects == {}
-    told = hierarchical_sentences(outcome, "")
-    assert any("standard deviations between" in sentence for sentence in told)
-    assert not any("lapse rate" in sentence or "guess rate" in sentence for sentence in told)
-    assert told[-1].startswith("no test of effects: this model of comparisons has asymptotes of 0 and 1")
+    found = group_fit(each, ["force_n"], "")
+    assert found.effects == {}
+    *sentences, last = hierarchical_sentences(found, "")
+    assert any("standard deviations between" in sentence for sentence in sentences)
+    assert not any("lapse rate" in sentence or "guess rate" in sentence for sentence in sentences)
+    assert last.startswith("no test of effects: this model of comparisons has asymptotes of 0 and 1")
 
 
 def test_failed_hierarchical_search_has_reason() -> None:
     """Regression test: a singular matrix of the search was a traceback."""
-    answers = ((2, 38), (17, 37), (5, 18), (11, 22))
-    found = [
-        cell(f"P{n}", levels=(18.0, 26.0), k=k, n_trials=(40, 40), n_catch=0, n_false_alarms=0)
-        for n, k in enumerate(answers)
-    ]
-    told = group_fit(found, (), "dB")
-    assert told.fit is not None or told.note.startswith("no hierarchical fit: the integral")
+    options = {"levels": (18.0, 26.0), "n_trials": (40, 40), "n_catch": 0, "n_false_alarms": 0}
+    answers = enumerate(((2, 38), (17, 37), (5, 18), (11, 22)))
+    found = group_fit([cell(f"P{n}", k=k, **options) for n, k in answers], (), "dB")
+    assert found.fit is not None or found.note.startswith("no hierarchical fit: the integral")

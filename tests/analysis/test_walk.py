@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from click.testing import CliRunner
+from command_line import call
 from hard_cases import exact_case
 from scipy.special import ndtr
 from soak import SOAK
@@ -18,7 +18,6 @@ from tactometry.analysis.anova.post_hoc import equivalence, pairs
 from tactometry.analysis.anova.within_subjects import checks, permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
 from tactometry.analysis.threshold.fitting import METHODS, fit, fit_many
-from tactometry.cli.analyse import command
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES
 
@@ -42,21 +41,18 @@ SETS = {
     "rows without trials": ([*SEVEN, 40, -3], [*RISING, 0, 0], [20] * 7 + [0, 0], {"ok"}),
     "duplicated levels": (np.repeat(SEVEN, 2), np.repeat(RISING, 2), 20, {"ok"}),
 }
-TOLD = ("ok", "separated", "non_monotone", "too_few_levels")
+ESTIMATED = ("ok", "separated", "non_monotone", "too_few_levels")
 """Statuses that may come with a threshold."""
 
 
 def is_honest(found, levels) -> bool:
-    """Return True for a valid threshold, or a note without one.
-
-    A valid threshold is within its interval and the levels.
-    """
+    """Return True for a threshold within its interval and the levels, or a note without one."""
     if found.threshold is None:
         return bool(found.note) and found.width is None and found.function is None
     ends = [end for end in (found.interval_low, found.interval_high) if end is not None]
     assert np.isfinite([found.threshold, *ends]).all()
     inside = min(levels) <= found.threshold <= max(levels)
-    return found.status in TOLD and inside and sorted([found.threshold, *ends])[len(ends) // 2] == found.threshold
+    return found.status in ESTIMATED and inside and sorted([found.threshold, *ends])[len(ends) // 2] == found.threshold
 
 
 @pytest.mark.parametrize("case", list(SETS))
@@ -76,7 +72,6 @@ def test_every_fit_has_number_or_status(method, case) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_batch_of_hard_cases_equals_single_fits(method) -> None:
-    """Data sets of different lengths and sizes side by side."""
     columns: list[list[np.ndarray]] = [[], [], []]
     for levels, k, n, _ in SETS.values():
         for column, part in zip(columns, (levels, k, np.broadcast_to(n, len(levels))), strict=True):
@@ -116,14 +111,11 @@ def group() -> pd.DataFrame:
 
 WHOLE = group()
 NO_ERROR = dict.fromkeys(("ANOVA", "permutation", "checks", "mixed model"), "zero_error")
-NONE_WITHIN = dict.fromkeys(("ANOVA", "permutation", "checks"), "no_variance_within")
+NONE_WITHIN = dict.fromkeys(("ANOVA", "permutation", "checks"), "no_variance_within") | {"mixed model": "zero_error"}
 SAME = dict.fromkeys(("ANOVA", "permutation", "checks", "mixed model"), "constant")
 TABLES = {
     "identical participants": (WHOLE.assign(y=np.tile([1, 2, 3, 4, 6, 5.0], 6)), NO_ERROR),
-    "no variance within participants": (
-        WHOLE.assign(y=np.repeat(np.arange(6.0), 6)),
-        NONE_WITHIN | {"mixed model": "zero_error"},
-    ),
+    "no variance within participants": (WHOLE.assign(y=np.repeat(np.arange(6.0), 6)), NONE_WITHIN),
     "the same value everywhere": (WHOLE.assign(y=3.0), SAME),
     "two participants": (WHOLE[WHOLE["who"] < "P2"], dict.fromkeys((*FACTORIAL, *PAIRED), "too_few_participants")),
     "one participant": (WHOLE[WHOLE["who"] < "P1"], dict.fromkeys(STATISTICS, "too_few_participants")),
@@ -170,10 +162,7 @@ TASKS = ("yes_no", "forced_choice", "comparison")
 
 
 def rising(levels=SEVEN, n=12):
-    """Return answers of four participants in two conditions.
-
-    Thresholds are near the middle.
-    """
+    """Return answers of four participants in two conditions, with thresholds near the middle."""
 
     def drawn(place, floor, rng):
         spacing = levels[1] - levels[0]
@@ -220,25 +209,20 @@ def written(path, drawn, n, task, without=()):
     return path
 
 
-def analysed(file, *options) -> dict:
-    result = CliRunner().invoke(command, [str(file), "--json", *options])
-    assert (result.exit_code, result.stderr) == (0, ""), result.output
-    return json.loads(result.stdout)
-
-
-def check_that_a_step_has_no_test_of_its_width(hierarchical) -> None:
-    assert [row["width"] for row in hierarchical["conditions"]] == [None, None]
-    assert not any("Wald" in sentence for sentence in hierarchical["sentences"])
+def analysed(capsys, file, *options) -> dict:
+    code, errors, out = call(capsys, "analyse", file, "--json", *options)
+    assert (code, errors) == (0, "")
+    return json.loads(out)
 
 
 @pytest.mark.parametrize("case", list(STUDIES))
-def test_command_reports_status_of_every_hard_case(tmp_path, case) -> None:
+def test_command_reports_status_of_every_hard_case(tmp_path, capsys, case) -> None:
     """Every task, with its report, in the soak; else one of them by turns."""
     drawn, n, status = STUDIES[case]
     turn = list(STUDIES).index(case) % len(TASKS)
     for task in TASKS if SOAK else TASKS[turn : turn + 1]:
         file = written(tmp_path / f"{task}.csv", drawn, n, task)
-        found = analysed(file, *(["--report", str(tmp_path / f"{task}.html")] if SOAK else []))
+        found = analysed(capsys, file, *(["--report", tmp_path / f"{task}.html"] if SOAK else []))
         expected = status[TASKS.index(task)] if isinstance(status, tuple) else status
         statuses = {row["status"] for row in found["thresholds"]}
         assert statuses == {expected} if expected else "ok" in statuses
@@ -248,27 +232,27 @@ def test_command_reports_status_of_every_hard_case(tmp_path, case) -> None:
             assert found["hierarchical"] == [] or found["hierarchical"][0]["status"] is None
             assert found["warnings"]
         if (case, task) == ("perfect step", "comparison"):
-            check_that_a_step_has_no_test_of_its_width(*found["hierarchical"])
+            (hierarchical,) = found["hierarchical"]
+            assert [row["width"] for row in hierarchical["conditions"]] == [None, None]
+            assert not any("Wald" in sentence for sentence in hierarchical["sentences"])
     exact_case("every hard case by the command", against="a number or a status")
 
 
-def test_missing_cell_is_named_in_first_warning(tmp_path) -> None:
-    file = written(tmp_path / "t.csv", rising(), 4, "comparison", without=[(1, 240)])
-    found = analysed(file)
+def test_missing_cell_is_named_in_first_warning(tmp_path, capsys) -> None:
+    found = analysed(capsys, written(tmp_path / "t.csv", rising(), 4, "comparison", without=[(1, 240)]))
     assert found["warnings"][0] == "1 of 8 cells of comparison have no valid trial (P1 hz 240)"
     outcome = found["outcomes"][0]
     assert outcome["notes"][0] == "the analysis with censored values treats 1 value as missing at random"
     assert "leaves out participant P1" in outcome["notes"][1]
     assert outcome["primary"]["analysis"] == "censored_anova"
-    assert outcome["checks"] == [
-        "repeated-measures analysis of variance of the largest complete subset, without participant P1"
-    ]
+    (check,) = outcome["checks"]
+    assert check == "repeated-measures analysis of variance of the largest complete subset, without participant P1"
 
 
-def test_identical_participants_have_mean_without_interval(tmp_path) -> None:
+def test_identical_participants_have_mean_without_interval(tmp_path, capsys) -> None:
     file = written(tmp_path / "t.csv", constant([0, 1, 3, 6, 9, 11, 12]), 4, "comparison")
-    found = analysed(file)
-    first = found["outcomes"][0]["group"][0]
+    outcome = analysed(capsys, file)["outcomes"][0]
+    first = outcome["group"][0]
     assert first["text"] == "4.00 (n = 4, all alike)"
     assert (first["sd"], first["mean_low"], first["mean_high"]) == (0.0, None, None)
-    assert found["outcomes"][0]["status"] == "constant"
+    assert outcome["status"] == "constant"

@@ -1,6 +1,9 @@
 """Batches equal single runs, and answers have the right frequency."""
 
+import importlib
 import math
+import os
+import sys
 from itertools import product
 from typing import get_args
 
@@ -10,11 +13,11 @@ import pytest
 from examples import examples
 from followed_rule import LEVELS, OUTPUT, own_run
 from hypothesis import given, strategies as st
-from scipy.stats import binomtest
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import ConstantStimuli, MethodOfLimits, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch.answers import AS_ASKED, LevelTable, criteria
+from tactometry.protocols.batch.loop import loop_of
 from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
 from tactometry.protocols.bayesian.outcome_model import FunctionModel
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
@@ -23,7 +26,8 @@ from tactometry.protocols.bayesian.quest_plus import Aim, Criterion
 from tactometry.protocols.bayesian.weighing import WeighingRule
 from tactometry.protocols.order import stream
 from tactometry.protocols.procedures.practice import Practice
-from tactometry.psychometric import PsychometricFunction
+from tactometry.protocols.procedures.stepping import SteppingRule, Transition
+from tactometry.psychometric import SHAPES, PsychometricFunction
 
 
 def log(chance):
@@ -77,6 +81,7 @@ def unsure(level, outcome, *, threshold, width):
 
 
 THREE = FunctionModel({"threshold": GRID.thresholds, "width": (2.0, 5.0)}, 3, unsure)
+QUEST = {"start": 20.0, "start_sd": 9.0, "low": 0.0, "high": 40.0, "step": 0.5, "n_trials": 25, "sd_stop": 3.0}
 WEIGHING = {
     "wrong, unsure, right": QuestPlus(FEW, THREE, 25, 2.5, "threshold"),
     **{kind: rule for kind, rule in catalogue.PROCEDURES.items() if isinstance(rule, WeighingRule)},
@@ -86,10 +91,7 @@ WEIGHING = {
         for criterion in get_args(Criterion)
     },
     "answers that nothing allows": QuestPlus((0.0, 1.0), COIN, n_trials=9, prior={"bias": (0.0, 0.0, 1.0)}),
-    **{
-        f"QUEST, {to}": Quest(20.0, 9.0, 0.0, 40.0, 0.5, n_trials=25, sd_stop=3.0, placing=to)
-        for to in get_args(Placing)
-    },
+    **{f"QUEST, {to}": Quest(**QUEST, placing=to) for to in get_args(Placing)},
 }
 
 
@@ -97,7 +99,6 @@ WEIGHING = {
 @given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans(), output=st.sampled_from([AS_ASKED, OUTPUT]))
 @examples(8, deadline=None)
 def test_batch_of_weighing_rule_equals_single_runs(rule, seed, through_a_table, output):
-    """Levels of QUEST are equal within the rounding of a sum."""
     rng = np.random.default_rng(seed)
     shape = (5, 30, rule.n_outcomes - 1)
     drawn = np.sort(rng.uniform(-10, 50) + rng.choice([0.0, 1.0, 10.0]) * rng.standard_normal(shape), axis=2)
@@ -117,37 +118,15 @@ def test_batch_of_weighing_rule_equals_single_runs(rule, seed, through_a_table, 
         assert batch.thresholds[i] == pytest.approx(wanted, rel=1e-9, abs=1e-9, nan_ok=True)
 
 
-@pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel", "reversed_gumbel", "weibull"])
-def test_answer_frequencies_follow_the_psychometric_function(shape):
-    function = PsychometricFunction(shape, 20.0, 9.0 if shape != "weibull" else 1.2, 0.25, 0.04)
-    rule, rng = ConstantStimuli((14.0, 20.0, 26.0), 100), np.random.default_rng()
-    drawn = criteria(rng.random((1000, 300)), shape, function.threshold, function.width, 0.25, 0.04)
-    batch = tracks(rule, drawn)
-    for level in rule.levels:
-        asked = batch.levels == level
-        chance = float(function.probability(level))
-        assert binomtest(int(batch.answers[asked].sum()), int(asked.sum()), chance).pvalue > 1e-4
-        assert asked.sum() == 1e5
-
-
-def test_table_of_chances_is_interpolated_between_levels():
-    chances, rng = LevelTable(np.array([0.0, 10.0, 20.0]), np.array([0.1, 0.7, 0.9])), np.random.default_rng()
-    batch = tracks(ConstantStimuli((10.0, 15.0, 25.0), 100), rng.random((1000, 300)), chances)
-    for level, chance in ((10.0, 0.7), (15.0, 0.8), (25.0, 0.9)):
-        assert binomtest(int(batch.answers[batch.levels == level].sum()), 100_000, chance).pvalue > 1e-4
-
-
-def test_criteria_invert_the_psychometric_function():
-    """Answers equal those of comparing the uniform number with P(1)."""
-    function = PsychometricFunction("gumbel", 20.0, 9.0, 0.5, 0.02)
-    uniform, levels = np.random.default_rng().random((1, 10_000)), np.linspace(0, 40, 10_000)
-    drawn = criteria(uniform, "gumbel", 20.0, 9.0, 0.5, 0.02)
-    assert np.array_equal((levels > drawn)[0], (uniform < function.probability(levels))[0])
-
-
-def test_guesses_and_lapses_have_infinite_criteria():
-    drawn = criteria(np.array([[0.0, 0.499, 0.981]]), "logistic", 20.0, 9.0, 0.5, 0.02)
-    assert drawn.tolist() == [[-math.inf, -math.inf, math.inf]]
+@pytest.mark.parametrize("shape", SHAPES)
+def test_criteria_invert_the_psychometric_function(shape):
+    """Guesses and lapses have the end criteria; others equal those of comparing the number with P(1)."""
+    width, lowest = (1.2, 0.0) if shape == "weibull" else (9.0, -math.inf)
+    parameters = (shape, 20.0, width, 0.5, 0.02)
+    uniform, levels = np.random.default_rng().random((1, 10_000)), np.linspace(0.1, 40, 10_000)
+    found = levels > criteria(uniform, *parameters)
+    assert np.array_equal(found[0], uniform[0] < PsychometricFunction(*parameters).probability(levels))
+    assert criteria(np.array([0.0, 0.499, 0.981]), *parameters).tolist() == [lowest, lowest, math.inf]
 
 
 def test_batch_orders_contain_each_level_once_per_repeat():
@@ -169,49 +148,95 @@ def test_nested_seeds_never_repeat():
     assert len(set(drawn.values())) == 3 * len(places)
 
 
-@pytest.mark.parametrize("number", [-1, 2**32, 0.5])
-def test_stream_rejects_invalid_place(number):
-    with pytest.raises(InvalidParameter, match=r"stream.*expected a whole number"):
-        stream(1, 0, number)
+def tracks_of(**given_):
+    return tracks(STEPPING["three levels"], **{"criteria": np.zeros((3, 4))} | given_)
 
 
-def test_tracks_reject_one_criterion_for_three_outcomes():
-    with pytest.raises(InvalidParameter, match=r"tracks.criteria: found .* expected \(n_sets, n_trials, 2\)"):
-        tracks(WEIGHING["wrong, unsure, right"], np.zeros((1, 2)))
+def table_of(levels, felt):
+    return LevelTable(np.array(levels), np.array(felt))
 
 
-def test_outcome_frequencies_follow_their_criteria():
-    """Draw outcome 2 below the first chance, 1 below the sum, else 0."""
-    uniform, levels = np.random.default_rng().random((1000, 100)), (0.0, 40.0)
-    drawn = np.stack([np.where(uniform < 0.7, -1.0, 99.0), np.where(uniform < 0.4, -1.0, 99.0)], axis=2)
-    rule = QuestPlus(levels, THREE, n_trials=100)
-    counts = np.bincount(tracks(rule, drawn).answers.ravel(), minlength=3)
-    for n, chance in enumerate((0.3, 0.3, 0.4)):
-        assert binomtest(int(counts[n]), 100_000, chance).pvalue > 1e-4
+ONE_OF_TWO = r"tracks.criteria: found .* expected \(n_sets, n_trials, 2\)"
 
 
 @pytest.mark.parametrize(
-    ("changed", "sentence"),
+    ("call", "message"),
     [
-        ({"criteria": np.zeros(3)}, r"tracks.criteria: found the shape \(3,\), expected \(n_sets, n_trials\)"),
-        ({"orders": np.zeros((2, 4))}, "tracks.orders: found 2 rows, expected 1 or 3"),
-        ({"table": LevelTable(LEVELS, np.zeros((2, 8)))}, "tracks.table: found 2 rows, expected 1 or 3"),
+        (lambda: tracks(WEIGHING["wrong, unsure, right"], np.zeros((1, 2))), ONE_OF_TWO),
+        (lambda: tracks_of(criteria=np.zeros(3)), r"tracks.criteria: found the shape \(3,\), expected \(n_sets, n"),
+        (lambda: tracks_of(orders=np.zeros((2, 4))), "tracks.orders: found 2 rows, expected 1 or 3"),
+        (lambda: tracks_of(table=table_of(LEVELS, np.zeros((2, 8)))), "tracks.table: found 2 rows, expected 1 or 3"),
+        (lambda: table_of([0.0, 0.0], [1.0, 2.0]), "LevelTable.levels: found .* not in ascending order"),
+        (lambda: table_of([0.0, 1.0], [1.0, math.nan]), "LevelTable.felt"),
+        (lambda: table_of([0.0, 1.0], [1.0, 2.0, 3.0]), r"LevelTable.felt: found the shape \(3,\)"),
+        *((lambda place=place: stream(1, 0, place), r"stream.*expected a whole number") for place in (-1, 2**32, 0.5)),
     ],
 )
-def test_tracks_reject_arrays_of_wrong_shape(changed, sentence):
-    given_ = {"criteria": np.zeros((3, 4)), **changed}
-    with pytest.raises(InvalidParameter, match=sentence):
-        tracks(STEPPING["three levels"], **given_)
+def test_invalid_arguments_are_rejected(call, message):
+    with pytest.raises(InvalidParameter, match=message):
+        call()
 
 
-@pytest.mark.parametrize(
-    ("table", "sentence"),
-    [
-        (([0.0, 0.0], [1.0, 2.0]), "LevelTable.levels: found .* not in ascending order"),
-        (([0.0, 1.0], [1.0, math.nan]), "LevelTable.felt"),
-        (([0.0, 1.0], [1.0, 2.0, 3.0]), r"LevelTable.felt: found the shape \(3,\)"),
-    ],
-)
-def test_level_table_rejects_invalid_arrays(table, sentence):
-    with pytest.raises(InvalidParameter, match=sentence):
-        LevelTable(*map(np.array, table))
+SOURCE = """
+def start(numbers, order):
+    return (0,)
+
+
+def level(numbers, order, state):
+    return {level}
+
+
+def after(numbers, order, state, answers, levels):
+    return (state[0] + 1,), levels[-1]
+
+
+def ending(numbers, order, state, answers):
+    return 0
+
+
+def threshold(marks):
+    return marks[-1]
+"""
+
+
+@pytest.fixture
+def levels_of_source(tmp_path, monkeypatch):
+    """Return a function that runs a rule with a constant level."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    def levels(level):
+        file = tmp_path / "rule_of_a_test.py"
+        file.write_text(SOURCE.format(level=level))
+        os.utime(file, (level, level))  # files written within one second look unchanged
+        sys.modules.pop("rule_of_a_test", None)
+        importlib.invalidate_caches()
+        own = importlib.import_module("rule_of_a_test")
+
+        class Constant(SteppingRule):
+            transition = Transition(own.level, own.ending, own.start, own.after, own.threshold)
+            name = "of a test"
+            numbers = ()
+            begin = None
+
+        return tracks(Constant(), np.zeros((1, 2))).levels.tolist()
+
+    yield levels
+    sys.modules.pop("rule_of_a_test", None)
+
+
+def test_machine_code_is_shared_between_processes(monkeypatch):
+    rule, made = Staircase(20.0, (4.0,), 0.0, 40.0), []
+
+    def as_a_new_process_makes_it(transition):
+        made.append(loop_of.__wrapped__(transition))
+        return made[-1]
+
+    tracks(rule, np.zeros((1, 2)))
+    monkeypatch.setattr("tactometry.protocols.batch.loop.loop_of", as_a_new_process_makes_it)
+    tracks(rule, np.zeros((1, 2)))
+    assert sum(made[0].stats.cache_hits.values()) == 1
+
+
+def test_rule_is_recompiled_when_its_source_changes(levels_of_source):
+    assert levels_of_source(3.0) == [[3.0, 3.0]]
+    assert levels_of_source(5.0) == [[5.0, 5.0]]

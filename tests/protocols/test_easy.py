@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from catalogue import PROCEDURES
-from study_texts import refusal, tutorial_in, wired
+from study_texts import TUTORIAL, refusal, wired
 
 from tactometry.experiments.study.kinds import PROCEDURES as KINDS
 from tactometry.protocols import Staircase
@@ -61,6 +61,11 @@ QUEST = "start = 20\nstart_sd = 12\nlow = -20\nhigh = 40\nstep = 0.5\ntarget = 0
 STAIRCASE = "start = 34\nsteps = [8]\nlow = -10\nhigh = 40"
 
 
+def study_with(procedure):
+    before, rest = TUTORIAL.partition("[procedure]")[0], TUTORIAL.partition("[limits]")[2]
+    return f"{before}[procedure]\n{procedure}\n\n[limits]{rest}"
+
+
 @pytest.mark.parametrize(
     ("procedure", "why"),
     [
@@ -71,18 +76,14 @@ STAIRCASE = "start = 34\nsteps = [8]\nlow = -10\nhigh = 40"
         ('kind = "constant_stimuli"\nlevels = [1, 2]\nrepeats = 2\neasy_share = 0.1', "levels do not depend"),
     ],
 )
-def test_impossible_easy_trials_are_refused(tmp_path, procedure, why):
-    text = tutorial_in(tmp_path, {}).read_text(encoding="utf-8")
-    before, rest = text.partition("[procedure]")[0], text.partition("[limits]")[2]
-    assert why in refusal(f"{before}[procedure]\n{procedure}\n\n[limits]{rest}")
+def test_impossible_easy_trials_are_refused(procedure, why):
+    assert why in refusal(study_with(procedure))
 
 
-def test_easy_trials_follow_the_seed_alone(tmp_path):
-    text = tutorial_in(tmp_path, {}).read_text(encoding="utf-8")
-    before, rest = text.partition("[procedure]")[0], text.partition("[limits]")[2]
-    easy = f'{before}[procedure]\nkind = "staircase"\n{STAIRCASE}\neasy_share = 0.1\n\n[limits]{rest}'
-    tracks = [
-        part.tracks[0].procedure for seed in (1, 1, 2) for part in wired(easy).parts(1, np.random.default_rng(seed))
-    ]
-    places = [track.places for track in tracks]
-    assert places[:2] == places[2:4] != places[4:]
+def test_easy_trials_follow_the_seed_alone():
+    experiment = wired(study_with(f'kind = "staircase"\n{STAIRCASE}\neasy_share = 0.1'))
+    first, again, other = (
+        [part.tracks[0].procedure.places for part in experiment.parts(1, np.random.default_rng(seed))]
+        for seed in (1, 1, 2)
+    )
+    assert first == again != other

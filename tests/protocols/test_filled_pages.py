@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from study_texts import TUTORIAL
+from study_texts import TUTORIAL, wired
 
 from tactometry.errors import Diverged
-from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import parse
 from tactometry.protocols.session import pages
 from tactometry.protocols.tasks.rating import fill_in
 from tactometry.questionnaire import load, shipped_names
@@ -42,24 +40,26 @@ def test_repeated_page_keeps_marks_and_uses_last_answers():
 
 
 def test_replay_ignores_page_layout():
-    asked, _ = answered(MINI, filled([1.0] * 5), filled([2.0] * 5))
-    older = [Fill(page.form, page.questions, page.low, page.high, page.steps) for page in asked]
     answers = [filled([1.0] * 5), filled([2.0] * 5)]
+    asked, _ = answered(MINI, *answers)
+    older = [Fill(page.form, page.questions, page.low, page.high, page.steps) for page in asked]
     entries = list(zip(older, answers, strict=True))
     assert replay(fill_in(MINI, np.random.default_rng(0), shuffled=False), Replay(entries))
 
 
+def pages_of(text):
+    return list(pages(wired(TUTORIAL + text).parts(1, np.random.default_rng(0))))
+
+
 def test_questionnaire_has_own_page_and_is_not_counted():
-    study = parse(f'{TUTORIAL}[inquiries.end]\nform = "sus"\n'.encode(), "s.toml")
-    shown = list(pages(wire(study, "s.toml").parts(1, np.random.default_rng(0))))
+    shown = pages_of('[inquiries.end]\nform = "sus"\n')
     assert [page.message for page in shown] == ["welcome", "instructions_yes_no", "block", "block", "questions", "end"]
     assert [(page.values["part"], page.values["n_parts"]) for page in shown[2:4]] == [(1, 2), (2, 2)]
     assert shown[4].values["n_questions"] == 10
 
 
 def test_practice_is_not_counted_as_part():
-    practice = "[practice]\nlevels = [40]\nn_correct = 1\nn_of = 1\nn_trials = 4\n"
-    shown = list(pages(wire(parse(f"{TUTORIAL}{practice}".encode(), "s"), "s").parts(1, np.random.default_rng(0))))
+    shown = pages_of("[practice]\nlevels = [40]\nn_correct = 1\nn_of = 1\nn_trials = 4\n")
     assert [page.values.get("part") for page in shown if page.message == "block"] == [1, 2]
 
 
@@ -68,19 +68,15 @@ def course_of(*requests):
         yield request
 
 
-@pytest.mark.parametrize(
-    "asked",
-    [
-        (Show("a"), Wait(1.0), Show("b"), Wait(2.0)),
-        (Wait(1.0), Show("new"), Wait(2.0)),
-        (Show("b"), Wait(1.0), Wait(2.0)),
-    ],
-    ids=["later", "others", "earlier"],
-)
-def test_replay_accepts_pages_in_other_places(asked):
+LATER, OTHERS = (Show("a"), Wait(1.0), Show("b"), Wait(2.0)), (Wait(1.0), Show("new"), Wait(2.0))
+EARLIER = (Show("b"), Wait(1.0), Wait(2.0))
+
+
+@pytest.mark.parametrize("requests", [LATER, OTHERS, EARLIER], ids=["later", "others", "earlier"])
+def test_replay_accepts_pages_in_other_places(requests):
     recorded = (Show("a"), Show("b"), Wait(1.0), Show("c"), Wait(2.0))
     entries = [(request, Done(float(n))) for n, request in enumerate(recorded)]
-    replay(course_of(*asked), Replay(entries))
+    replay(course_of(*requests), Replay(entries))
 
 
 def test_replay_continues_when_last_page_was_removed():
@@ -91,9 +87,8 @@ def test_replay_continues_when_last_page_was_removed():
 
 def test_replay_diverges_on_other_request_despite_pages():
     entries = [(request, Done(1.0)) for request in (Show("a"), Wait(1.0), Show("b"), Wait(3.0))]
-    with pytest.raises(
-        Diverged, match=r"line 4: Wait.duration_s: the recording has 3.0, but the protocol requests 2.0"
-    ):
+    message = "line 4: Wait.duration_s: the recording has 3.0, but the protocol requests 2.0"
+    with pytest.raises(Diverged, match=message):
         replay(course_of(Wait(1.0), Wait(2.0)), Replay(entries))
 
 

@@ -39,24 +39,21 @@ def test_equal_alternatives_are_guessed(level_db):
 
 
 def test_distinct_alternatives_are_identified_by_strongest_sensation():
+    alternatives_db = [(0.0, -inf, -inf), (-inf, 0.0, -inf), (-inf, -inf, 0.0)]
     for seed in range(200):
-        identified = KEEN.identify([(0.0, -inf, -inf), (-inf, 0.0, -inf), (-inf, -inf, 0.0)], 1, rng_of(seed))
-        assert identified == KEEN.compare([-inf, 0.0, -inf], rng_of(seed))
+        identified = KEEN.identify(alternatives_db, 1, np.random.default_rng(seed))
+        assert identified == KEEN.compare([-inf, 0.0, -inf], np.random.default_rng(seed))
 
 
-def rng_of(seed):
-    return np.random.default_rng(seed)
-
-
-ASKED = Choose("which_place", (1, 2), ("left", "right"), ("left", "right"))
+PLACE = Choose("which_place", (1, 2), ("left", "right"), ("left", "right"))
 
 
 def located(levels_db, observer=KEEN, n=1000):
     """Return the share of right answers for these levels at each finger."""
     rng = np.random.default_rng()
-    names = [ASKED.labels[k % 2] for k in range(n)]
-    answers = [locate(observer, [Felt(name, 60.0, levels_db.get)], ASKED, rng) for name in names]
-    return np.mean([answer == ASKED.labels.index(name) + 1 for answer, name in zip(answers, names, strict=True)]), n
+    names = [PLACE.labels[k % 2] for k in range(n)]
+    answers = [locate(observer, [Felt(name, 60.0, levels_db.get)], PLACE, rng) for name in names]
+    return np.mean([answer == PLACE.labels.index(name) + 1 for answer, name in zip(answers, names, strict=True)]), n
 
 
 def test_focus_is_located_by_finger_and_not_strength():
@@ -71,7 +68,7 @@ PLACES = (Alternative("a", "a", {}, ((0.0, 0.0),)), Alternative("b", "b", {}, ((
 
 def outcome_of(alternatives, option):
     touch = Pressing(duration_s=0.5, force_n=1.0, hold_s=0.3, timeout_s=10.0)
-    course = Localisation().trial(Presentation("a", 20.0, touch, alternatives), rng_of(4))
+    course = Localisation().trial(Presentation("a", 20.0, touch, alternatives), np.random.default_rng(4))
     next(course)
     course.send(Touched(0.0, 20.0, ""))
     with pytest.raises(StopIteration) as ending:

@@ -133,20 +133,12 @@ def test_skipped_block_ends_and_next_begins():
     assert said == ["block 1 is skipped"]
 
 
-def test_block_skipped_at_its_page_never_begins():
-    tracks, trials, said, pages = lived(three, {"block": "skip"})
-    assert (tracks[0].ending, 1 in blocks(trials)) == ("skipped", False)
-    assert said == ["block 1 is skipped"]
+@pytest.mark.parametrize(("page", "n_pages"), [("block", 3), ("instructions_yes_no", 2)])
+def test_block_skipped_at_its_page_never_begins(page, n_pages):
+    tracks, trials, said, pages = lived(three, {page: "skip"})
+    assert (tracks[0].ending, 1 in blocks(trials), said) == ("skipped", False, ["block 1 is skipped"])
+    assert pages[: n_pages + 1] == [*["welcome", "instructions_yes_no", "block"][:n_pages], "questions"]
     assert pages[-1] == "end"
-
-
-def test_block_skipped_at_its_instructions_never_begins():
-    _, trials, said, pages = lived(three, {"instructions_yes_no": "skip"})
-    assert (1 in blocks(trials), said, pages[:3]) == (
-        False,
-        ["block 1 is skipped"],
-        ["welcome", "instructions_yes_no", "questions"],
-    )
 
 
 def test_end_request_stops_block_and_session():
@@ -156,11 +148,14 @@ def test_end_request_stops_block_and_session():
     assert said == ["block 1 is left, and the session ends"]
 
 
-def test_end_request_outside_blocks_starts_no_block():
-    for when, n_trials in (("welcome", 0), ("instructions_yes_no", 0), ("block", 0)):
-        tracks, trials, said, _ = lived(three, {when: "end"})
-        assert {track.ending for track in tracks} <= {"not begun", "skipped"}
-        assert (len(trials), said) == (n_trials, ["the session ends"])
+@pytest.mark.parametrize("page", ["welcome", "instructions_yes_no", "block"])
+def test_end_request_outside_blocks_starts_no_block(page):
+    tracks, trials, said, _ = lived(three, {page: "end"})
+    assert {track.ending for track in tracks} <= {"not begun", "skipped"}
+    assert (trials, said) == ((), ["the session ends"])
+
+
+def test_end_request_in_questionnaire_starts_no_further_block():
     n_block = len([trial for trial in lived(three, {})[1] if trial.block == 1])
     _, trials, said, _ = lived(three, {n_block + 3: "end"})
     assert (set(blocks(trials)), blocks(trials)[2], said) == ({1, 2}, 10, ["the session ends"])
@@ -178,10 +173,8 @@ def test_requested_rest_follows_trial_like_scheduled_rests():
 
 def test_rest_after_last_trial_is_the_next_page():
     n = len(lived(block_of("constant_stimuli"), {})[1])
-    assert lived(block_of("constant_stimuli"), {n: "rest"})[2:] == (
-        ["the page that comes next waits for the participant: that is a rest"],
-        [],
-    )
+    _, _, said, pages = lived(block_of("constant_stimuli"), {n: "rest"})
+    assert (said, pages) == (["the page that comes next waits for the participant: that is a rest"], [])
 
 
 @pytest.mark.parametrize("at", [{"end": "back"}, {"practice": "back"}])
@@ -203,14 +196,12 @@ def test_trial_of_skipped_block_is_invalidated_without_reopening():
     assert said[1] == f"trial {trials[3].trial} does not count, and is not asked again: its block is over"
 
 
-def asking_first():
-    """Return a session that asks for consent."""
-    return session([catalogue.interleaved("random")], np.random.default_rng(1), consent=True)
-
-
 @pytest.mark.parametrize("page", ["welcome", "consent"])
 def test_session_ended_before_first_block_asks_no_questions(page):
-    tracks, trials, said, pages = lived(asking_first, {page: "end"})
+    def with_consent():
+        return session([catalogue.interleaved("random")], np.random.default_rng(1), consent=True)
+
+    tracks, trials, said, pages = lived(with_consent, {page: "end"})
     assert (said, trials) == (["the session ends"], ())
     assert pages == [*dict.fromkeys(("welcome", page)), "end"]
     assert {track.ending for track in tracks} == {"not begun"}

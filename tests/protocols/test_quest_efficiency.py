@@ -57,22 +57,11 @@ def test_efficiency_bounds_equal_published_and_computed_values(benchmark, guess,
     assert task.bound_unknown(160) == pytest.approx(unknown, abs=5e-5)
 
 
-def rule(guess, n_trials, sd_stop=None):
-    return QuestPlusSettings(
-        low=-3.0,
-        high=3.0,
-        n_levels=31,
-        width_low=NORMAL_WIDTH / 2,
-        width_high=NORMAL_WIDTH * 2,
-        n_widths=7,
-        width_prior_factor=1.5,
-        shape="normal",
-        guess_rates=(guess,),
-        lapse_rates=(0.0, 0.02, 0.04),
-        n_trials=n_trials,
-        sd_stop=sd_stop,
-        criterion="variance",
-    ).procedure()
+def rule(guess, sd_stop):
+    levels = {"low": -3.0, "high": 3.0, "n_levels": 31, "shape": "normal", "guess_rates": (guess,)}
+    widths = {"width_low": NORMAL_WIDTH / 2, "width_high": NORMAL_WIDTH * 2, "n_widths": 7, "width_prior_factor": 1.5}
+    rates = {"lapse_rates": (0.0, 0.02, 0.04), "n_trials": 400, "criterion": "variance"}
+    return QuestPlusSettings(**levels, **widths, **rates, sd_stop=sd_stop).procedure()
 
 
 def runs(start, guess, rng):
@@ -88,7 +77,7 @@ def runs(start, guess, rng):
 @pytest.mark.parametrize("task", TASKS)
 def test_stop_at_standard_deviation_is_reached_and_accurate(task):
     guess, _ = TASKS[task]
-    ends = list(runs(rule(guess, 400, sd_stop=0.25), guess, np.random.default_rng()))
+    ends = list(runs(rule(guess, sd_stop=0.25), guess, np.random.default_rng()))
     share = np.mean([at.ending == "converged" for at, _ in ends])
     assert share >= 0.9 - AT_1E_4 * math.sqrt(0.9 * 0.1 / N)
     errors = np.array([error for at, error in ends if at.ending == "converged"])

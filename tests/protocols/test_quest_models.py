@@ -53,7 +53,7 @@ def losses(run, aim, criterion):
 def test_function_model_losses_equal_those_of_same_grid():
     rng, levels = np.random.default_rng(), LEVELS[::5]
     grid, general = QuestPlus(levels, GRID).begin(), QuestPlus(levels, GENERAL).begin()
-    for _ in range(4):
+    for _ in range(2):
         for aim, criterion in itertools.product(("parameters", "threshold"), ("entropy", "variance")):
             ours, theirs = (losses(run, aim, criterion) for run in (grid, general))
             np.testing.assert_allclose(ours, theirs, atol=1e-9)
@@ -128,13 +128,9 @@ def test_three_outcome_rule_recovers_true_centre():
 
 
 def test_weibull_on_log_levels_equals_gumbel():
-    """A Weibull of the level is a Gumbel of its logarithm."""
-    log = QuestPlusSettings(
-        low=0.1, high=10.0, n_levels=21, width_low=0.5, width_high=2.0, n_widths=3, spacing="log", shape="weibull"
-    ).procedure()
-    linear = QuestPlusSettings(
-        low=math.log(0.1), high=math.log(10), n_levels=21, width_low=0.5, width_high=2.0, n_widths=3
-    ).procedure()
+    widths = {"n_levels": 21, "width_low": 0.5, "width_high": 2.0, "n_widths": 3}
+    log = QuestPlusSettings(0.1, 10.0, spacing="log", shape="weibull", **widths).procedure()
+    linear = QuestPlusSettings(math.log(0.1), math.log(10), **widths).procedure()
     for answer in (1, 1, 0, 1, 0, 0, 1):
         assert math.log(log.level) == pytest.approx(linear.level, abs=1e-9)
         log, linear = log.after(answer), linear.after(answer)
@@ -160,12 +156,11 @@ def test_zero_prior_weight_stays_zero():
 
 
 def test_prior_equals_answers_with_same_likelihood():
-    told = QuestPlus(LEVELS, GRID).after(1, 20.0).after(0, 10.0)
-    one = ParameterGrid(GRID.thresholds, (8.0,), (0.5,), (0.02,))
-    taught = QuestPlus(LEVELS, one).after(1, 20.0).after(0, 10.0)
-    prior = tuple(np.exp(one.log_likelihood(20.0, 1) + one.log_likelihood(10.0, 0)))
-    np.testing.assert_allclose(QuestPlus(LEVELS, one, prior={"threshold": prior}).begin().posterior, taught.posterior)
-    assert told.marginal("width").sum() == pytest.approx(1)
+    grid = ParameterGrid(GRID.thresholds, (8.0,), (0.5,), (0.02,))
+    answered = QuestPlus(LEVELS, grid).after(1, 20.0).after(0, 10.0)
+    prior = tuple(np.exp(grid.log_likelihood(20.0, 1) + grid.log_likelihood(10.0, 0)))
+    taught = QuestPlus(LEVELS, grid, prior={"threshold": prior}).begin()
+    np.testing.assert_allclose(taught.posterior, answered.posterior)
 
 
 @pytest.mark.parametrize("answers", [[1, 0] * 60, [1] * 150 + [0] * 150, [0] * 150 + [1] * 150])
@@ -224,7 +219,6 @@ def test_remark_explains_answers_impossible_on_grid():
 
 
 def test_equal_answers_on_fine_grid_end_as_censored():
-    """No single cell has half of the posterior; the end is the highest."""
     grid = ParameterGrid(tuple(np.linspace(0, 40, 401)), (10.0,), (0.5,), (0.02,))
     rule = QuestPlus(LEVELS, grid, n_trials=15)
     while not rule.finished:
@@ -232,6 +226,13 @@ def test_equal_answers_on_fine_grid_end_as_censored():
     assert (rule.ending, rule.threshold) == ("censored_below", None)
     assert rule.remark == "QuestPlus: the first threshold of the grid is the likeliest; the true one may lie below it"
     assert rule.posterior.max() < 0.5
+
+
+WEIBULL = ParameterGrid((1.0,), (1.0,), shape="weibull")
+
+
+def settings_of(low, high, **options):
+    return QuestPlusSettings(low, high, 11, 1.0, 2.0, **options).procedure()
 
 
 def summing_to(total):
@@ -244,25 +245,19 @@ def summing_to(total):
         (lambda: QuestPlus((0.0, 1.0), summing_to(0.9)), "that add up to 0.9, expected a sum of 1 over all outcomes"),
         (lambda: FunctionModel({}, 2, similarity), "FunctionModel.parameters: found none"),
         (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found none"),
-        (lambda: FunctionModel({"a": (1.0,)}, 1, similarity),
-         "FunctionModel.n_outcomes: found 1, expected a whole number, at least 2"),
+        (lambda: FunctionModel({"a": (1.0,)}, 1, similarity), "FunctionModel.n_outcomes: found 1, expected a whole"),
         (lambda: QuestPlus((0.0, 5.0), THREE).after(3), "found the response 3, expected a whole number from 0 to 2"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"slope": (1.0,)}), "QuestPlus.prior: found 'slope', expected"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (1.0,)}), r"QuestPlus.prior\['width'\]: found 1 weights"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (0.0,) * 3}), "expected 3 finite numbers from 0, not all 0"),
-        (lambda: QuestPlus(LEVELS, GRID).begin().marginal("slope"),
-         "QuestPlus.marginal: found 'slope', expected one of"),
+        (lambda: QuestPlus(LEVELS, GRID).begin().marginal("slope"), "QuestPlus.marginal: found 'slope', expected one"),
         (lambda: ParameterGrid((0.0,), (1.0,), shape="weibull"), r"ParameterGrid.thresholds\[0\]: found 0.0"),
-        (lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_likelihood(-1.0, 1),
-         "ParameterGrid: found the level -1, expected levels from 0 on"),
-        (lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, spacing="log").procedure(),
-         "QuestPlusSettings.low: found 0, expected above 0"),
-        (lambda: QuestPlusSettings(1.0, 0.0, 11, 1.0, 2.0).procedure(),
-         "QuestPlusSettings.low: found 1, expected less than high"),
-        (lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, width_prior_factor=1.0).procedure(),
-         "QuestPlusSettings.width_prior_factor: found 1.0, expected a number above 1"),
+        (lambda: WEIBULL.log_likelihood(-1.0, 1), "ParameterGrid: found the level -1, expected levels from 0 on"),
+        (lambda: settings_of(0.0, 1.0, spacing="log"), "QuestPlusSettings.low: found 0, expected above 0"),
+        (lambda: settings_of(1.0, 0.0), "QuestPlusSettings.low: found 1, expected less than high"),
+        (lambda: settings_of(0.0, 1.0, width_prior_factor=1.0), "width_prior_factor: found 1.0, expected a number"),
     ],
-)  # fmt: skip
+)
 def test_invalid_model_is_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()

@@ -28,18 +28,9 @@ def peer(parameters):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import questplus
-    return questplus.QuestPlus(
-        stim_domain={"intensity": np.array(DB)},
-        param_domain={
-            "mean": np.array(parameters["mean"]),
-            "sd": np.array(parameters["sd"]),
-            "lower_asymptote": np.array([0.5]),
-            "lapse_rate": np.array(parameters["lapse_rate"]),
-        },
-        outcome_domain={"response": ["Yes", "No"]},
-        func="norm_cdf",
-        stim_scale="linear",
-    )
+    domain = {"lower_asymptote": np.array([0.5])} | {name: np.array(values) for name, values in parameters.items()}
+    options = {"outcome_domain": {"response": ["Yes", "No"]}, "func": "norm_cdf", "stim_scale": "linear"}
+    return questplus.QuestPlus(stim_domain={"intensity": np.array(DB)}, param_domain=domain, **options)
 
 
 def ours(parameters):

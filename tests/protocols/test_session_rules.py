@@ -1,31 +1,31 @@
-"""Session rules: randomness, seeds, limits and journals."""
+"""Session rules: randomness, orders of conditions, limits and journals."""
 
 import io
+import itertools
 import json
 import math
 import os
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 import catalogue
-import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 from memory import Memory
 from tutorial_session import EXPERIMENT, STUDY, TOML, live
 
 from tactometry.config.quantity import si
-from tactometry.errors import Diverged, InvalidFile, InvalidParameter, LimitExceeded
+from tactometry.errors import InvalidFile, InvalidParameter, LimitExceeded
 from tactometry.experiments.bench.bench_file import BenchFile
-from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.simulation import Simulation
 from tactometry.experiments.study.dry_run import duration_s, plan
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import load
 from tactometry.gates import ForceGate
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import Staircase
-from tactometry.protocols.order import Crossing
+from tactometry.protocols.order import Crossing, n_orders, williams_square
 from tactometry.records.data_set import Session
 from tactometry.records.open_journal import Journal
 from tactometry.records.open_session import OpenSession
@@ -34,23 +34,14 @@ from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
 from tactometry.session.request import Play, Slide, Wait
 from tactometry.session.run import run
-from tactometry.signal import Signal
-
-N_DRAWS = 20_000
-STANDARD_ERRORS = 3.9
-"""Of a two-sided test at 1e-4."""
 
 
-def asked(participant, n_session, seed):
+def presented(participant, n_session, seed):
     """Return levels and catch trials in order, without repetitions."""
     memory = Memory()
     rig = EXPERIMENT.simulated_rig(participant, n_session, seed)
     run(EXPERIMENT.course(participant, n_session, 1, seed), rig, memory)
     return [(trial.level, trial.catch) for trial in memory.trials if trial.attempt == 1]
-
-
-def near(count, n, probability):
-    return abs(count - n * probability) <= STANDARD_ERRORS * math.sqrt(n * probability * (1 - probability))
 
 
 def test_new_journal_is_synced_with_its_folder(tmp_path, synced):
@@ -71,7 +62,6 @@ def test_truncated_line_is_moved_before_session_resumes(tmp_path, synced):
 
 
 def test_session_is_unlocked_when_its_files_are_unwritable(lived):
-    """The trials file is a folder, so it cannot be rebuilt."""
     session = Session("P01", 1, STUDY.name)
     trials = next((lived / "data").glob("*.csv"))
     content = trials.read_bytes()
@@ -84,14 +74,19 @@ def test_session_is_unlocked_when_its_files_are_unwritable(lived):
     assert trials.read_bytes() == content
 
 
-def test_moves_at_bounds_are_counted_separately():
-    rule = Staircase(start=0.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
-    assert rule.after(1).after(1).after(0, delivered=40.0).ending is None
-
-
-def test_run_ending_at_bound_stays_censored_despite_reversal():
-    rule = Staircase(start=38.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=1, n_at_bound=1)
-    assert rule.after(1).after(0, delivered=40.0).ending == "censored_above"
+@pytest.mark.parametrize(
+    ("start", "answers", "options", "ending"),
+    [
+        (0.0, (1, 1, 0), {"n_reversals": 99, "n_at_bound": 3}, None),
+        (38.0, (1, 0), {"n_reversals": 1, "n_at_bound": 1}, "censored_above"),
+    ],
+    ids=["moves at both bounds", "reversal at a bound"],
+)
+def test_staircase_delivered_at_bound_has_ending(start, answers, options, ending):
+    rule = Staircase(start, steps=(2.0,), low=0.0, high=40.0, n_down=1, **options)
+    for answer in answers[:-1]:
+        rule = rule.after(answer)
+    assert rule.after(answers[-1], delivered=40.0).ending == ending
 
 
 def test_inner_factor_uses_next_order_each_round():
@@ -109,23 +104,11 @@ def test_hold_survives_two_samples_with_equal_time():
     assert not gate.after(0.009, 1.0).open
 
 
-def test_signal_longer_than_limit_is_refused():
-    limits = Limits(voltage_peak_v=1.0, duration_s=0.1)
-    limits.check(Signal(np.zeros((1, 100)), 1e3, "V"))
-    with pytest.raises(LimitExceeded, match=r"found a signal of 0\.101 s, the limit is 0\.1 s; shorten it"):
-        limits.check(Signal(np.zeros((1, 101)), 1e3, "V"))
-
-
 @pytest.mark.parametrize(
     ("text", "suffix", "value"),
     [
-        ("5 cm/s", "m_per_s", 0.05),
-        ("2.5 g/cm3", "kg_per_m3", 2500.0),
-        ("3 kohm m", "ohm_m", 3e3),
-        ("70 GPa", "pa", 70e9),
-        ("2 h", "s", 7200.0),
-        ("20 nm", "m", 20e-9),
-        ("4 mm2", "m2", 4e-6),
+        *(("5 cm/s", "m_per_s", 0.05), ("2.5 g/cm3", "kg_per_m3", 2500.0), ("3 kohm m", "ohm_m", 3e3)),
+        *(("70 GPa", "pa", 70e9), ("2 h", "s", 7200.0), ("20 nm", "m", 20e-9), ("4 mm2", "m2", 4e-6)),
     ],
 )
 def test_compound_units(text, suffix, value):
@@ -133,8 +116,8 @@ def test_compound_units(text, suffix, value):
 
 
 def test_sessions_of_one_participant_have_different_orders():
-    assert asked("P01", 1, 1) == asked("P01", 1, 1)
-    assert asked("P01", 1, 1) != asked("P01", 2, 1)
+    assert presented("P01", 1, 1) == presented("P01", 1, 1)
+    assert presented("P01", 1, 1) != presented("P01", 2, 1)
 
 
 def test_simulated_traits_depend_on_participant_and_seed():
@@ -162,36 +145,16 @@ def test_described_but_absent_column_is_a_defect(lived):
     assert "has no such column 'mood'" in str(defect)
 
 
-def test_replay_rejects_study_edited_after_session(lived):
-    """The requests are unchanged: only the digest differs."""
-    path = lived / "study.toml"
-    path.write_bytes(path.read_bytes() + b"\n# another line\n")
-    with pytest.raises(Diverged, match="line 1: found the digest of another study.toml"):
-        replay_data_set(lived)
-
-
 @pytest.mark.parametrize(("of_bench", "of_study", "holds"), [(1.0, 2.0, 1.0), (2.0, 1.0, 1.0)])
 def test_the_tighter_duration_of_bench_and_study_holds(of_bench, of_study, holds):
     bench = BenchFile(limits=Limits(100.0, of_bench))
     assert bench.limits_with(Limits(50.0, of_study)).duration_s == holds
 
 
-def test_a_plan_counts_catch_trials():
-    """16 stimuli and, at a rate of 0.2, one catch trial for every four of them."""
-    assert [block.n_trials_at_most for block in plan(EXPERIMENT, 1)] == [20, 20]
-
-
-def test_lapses_of_detection_are_guesses():
-    lapsing = SignalDetectionObserver(lapse_rate=0.5)
-    rng = np.random.default_rng(20261121)
-    assert near(sum(lapsing.detect(1000.0, rng) for _ in range(N_DRAWS)), N_DRAWS, 0.75)
-
-
-def test_lapses_of_a_comparison_are_guesses():
-    lapsing = SignalDetectionObserver(lapse_rate=0.5)
-    rng = np.random.default_rng(20261121)
-    hits = sum(lapsing.compare([-math.inf, 1000.0, -math.inf], rng) == 1 for _ in range(N_DRAWS))
-    assert near(hits, N_DRAWS, 0.5 + 0.5 / 3)
+@pytest.mark.parametrize(("catch_rate", "n_trials"), [(0.2, 20), (0.0, 16)])
+def test_plan_counts_catch_trials(catch_rate, n_trials):
+    experiment = wire(replace(STUDY, task={**STUDY.task, "catch_rate": catch_rate}), "x")
+    assert [block.n_trials_at_most for block in plan(experiment, 1)] == [n_trials] * 2
 
 
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 3.0])
@@ -203,10 +166,8 @@ def test_the_transducer_acts_on_the_sensation_level(exponent):
 
 
 def test_console_checks_signals_against_limits():
-    tight = Limits(voltage_peak_v=0.1)
-    console = Console(
-        catalogue.silent(catalogue.AnyStimulus(), tight), texts_in("en", {}), source=io.StringIO(), output=io.StringIO()
-    )
+    output = catalogue.silent(catalogue.AnyStimulus(), Limits(voltage_peak_v=0.1))
+    console = Console(output, texts_in("en", {}), source=io.StringIO(), output=io.StringIO())
     with pytest.raises(LimitExceeded, match="nothing was played"):
         console.answer(Play("tone", 20.0, 0.2))
 
@@ -217,26 +178,13 @@ def test_console_clock_continues_after_interruption():
     assert 100.0 <= console.answer(Wait(0.0)).at_s < 200.0
 
 
-def test_plan_depends_on_catch_rate():
-    none = replace(STUDY, task={**STUDY.task, "catch_rate": 0.0})
-    assert [block.n_trials_at_most for block in plan(wire(none, "x"), 1)] == [16, 16]
-
-
 def test_sessions_of_one_participant_have_different_random_answers():
-    """The first touch of two sessions has different forces."""
     request = Slide("frequency_hz=60", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0, 0.05)
     held = []
     for n_session in (1, 2):
         rig = EXPERIMENT.simulated_rig("P01", n_session, 1)
         held.append(rig.answer(replace(request, stimulus=next(iter(EXPERIMENT.bank)))).force_mean_n)
     assert held[0] != held[1]
-
-
-def test_highest_level_is_checked_against_limits():
-    study, _ = load("electrovibration-threshold")
-    high = replace(study, procedure={**study.procedure, "start": 10.0, "high": 47.0})
-    with pytest.raises(InvalidParameter, match="found the highest level 47, expected one within the limits"):
-        wire(high, "x")
 
 
 def test_study_rejects_stimulus_longer_than_limit():
@@ -255,3 +203,68 @@ def test_hold_longer_than_timeout_is_refused(hold_s):
     study = replace(STUDY, touch={**STUDY.touch, "hold_s": hold_s})
     with pytest.raises(InvalidParameter, match=r"touch\.hold_s: found .* s, expected less than timeout_s \(20 s\)"):
         wire(study, "x")
+
+
+def counterbalanced(factors, number):
+    """Return a participant's cells with Williams squares for every factor."""
+    return Crossing(factors, dict.fromkeys(factors, "williams")).cells(number - 1, None)
+
+
+def chunks(values, size):
+    return [values[n : n + size] for n in range(0, len(values), size)]
+
+
+@given(n=st.integers(2, 14))
+def test_each_condition_follows_each_other_equally_often(n):
+    pairs = Counter(pair for row in williams_square(n) for pair in itertools.pairwise(row))
+    assert len(pairs) == n * (n - 1)
+    assert len(set(pairs.values())) == 1
+
+
+@given(n=st.integers(1, 14))
+def test_each_condition_stands_equally_often_in_each_position(n):
+    rows = williams_square(n)
+    places = Counter((position, item) for row in rows for position, item in enumerate(row))
+    assert set(places.values()) == {len(rows) // n}
+    assert len(rows) == n_orders("williams", n)
+
+
+@given(sizes=st.lists(st.integers(1, 5), min_size=1, max_size=3), number=st.integers(1, 100))
+def test_every_cell_comes_once(sizes, number):
+    factors = {f"factor_{n}": list(range(size)) for n, size in enumerate(sizes)}
+    cells = counterbalanced(factors, number)
+    assert len({tuple(cell.items()) for cell in cells}) == len(cells) == math.prod(sizes)
+
+
+def test_the_outer_factor_changes_slowest():
+    cells = counterbalanced({"force_n": [0.5, 1.5], "frequency_hz": [30, 60, 120]}, 1)
+    assert [cell["force_n"] for cell in cells] == [0.5] * 3 + [1.5] * 3
+
+
+def test_outer_orders_are_balanced_over_full_square():
+    orders = Counter(
+        tuple(dict.fromkeys(cell["force_n"] for cell in counterbalanced({"force_n": [1, 2, 3]}, number)))
+        for number in range(1, 13)
+    )
+    assert set(orders.values()) == {2}
+
+
+@given(
+    rules=st.tuples(*[st.sampled_from(["williams", "complete", "fixed"])] * 2),
+    sizes=st.tuples(st.integers(1, 4), st.integers(2, 3)),
+)
+def test_orders_of_two_factors_are_fully_crossed(rules, sizes):
+    slow, fast = (n_orders(rule, size) for rule, size in zip(rules, sizes, strict=True))
+    factors = {"slow": list(range(sizes[0])), "fast": list(range(sizes[1]))}
+    crossing, orders = Crossing(factors, dict(zip(factors, rules, strict=True))), Counter()
+    for row in range(slow * fast):
+        for place, cells in enumerate(chunks(crossing.cells(row, None), sizes[1])):
+            orders[place, cells[0]["slow"], tuple(cell["fast"] for cell in cells)] += 1
+    assert len({order for *_, order in orders}) == fast
+    assert len(orders) == len({key[:2] for key in orders}) * fast
+    assert len(set(orders.values())) == 1
+
+
+def test_order_follows_file_without_counterbalancing():
+    cells = Crossing({"a": [1, 2], "b": [3, 4]}).cells(6, None)
+    assert cells == [{"a": 1, "b": 3}, {"a": 1, "b": 4}, {"a": 2, "b": 3}, {"a": 2, "b": 4}]

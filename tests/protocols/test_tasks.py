@@ -97,15 +97,10 @@ def test_pair_contains_standard_and_level_at_target(task):
 @given(seed=st.integers(0, 2**32 - 1), level=st.sampled_from([10.0, 20.0, 30.0]), option=st.sampled_from([1, 2]))
 def test_comparison_is_scored_by_choice_of_stronger(seed, level, option):
     outcome = answered(Comparison(20.0), shown(level), np.random.default_rng(seed), choosing(lambda request: option))
-    (told,) = outcome.replies
+    (reply,) = outcome.replies
     stronger = option == outcome.target
-    assert told.response == int(stronger) == int(outcome.success)
-    assert told.correct == (None if level == 20.0 else stronger == (level > 20.0))
-
-
-def test_a_pair_is_called_same_or_different():
-    asked = {request for request, _ in lived("same_different").entries if isinstance(request, Choose)}
-    assert asked == {Choose("same_different", (0, 1), ("same", "different"))}
+    assert reply.response == int(stronger) == int(outcome.success)
+    assert reply.correct == (None if level == 20.0 else stronger == (level > 20.0))
 
 
 @pytest.mark.parametrize("n_intervals", [1, 5])
@@ -121,15 +116,17 @@ def test_equal_pair_is_catch_trial_without_level():
     assert all(trial.level is None and trial.level_delivered is None for trial in same)
     scored = [trial for trial in memory.trials if trial.valid]
     assert all(trial.correct == (trial.response == (not trial.catch)) for trial in scored)
+    questions = {request for request, _ in memory.entries if isinstance(request, Choose)}
+    assert questions == {Choose("same_different", (0, 1), ("same", "different"))}
 
 
 def test_magnitude_rises_with_level():
     memory = lived("magnitude", observer="keen")
-    means = {
-        level: np.mean([trial.response for trial in memory.trials if trial.level == level and trial.valid])
+    weak, strong = (
+        np.mean([trial.response for trial in memory.trials if trial.level == level and trial.valid])
         for level in (10.0, 30.0)
-    }
-    assert means[10.0] < means[30.0]
+    )
+    assert weak < strong
     assert {request for request, _ in memory.entries if isinstance(request, Enter)} == {Enter("how_strong", 0.0)}
 
 
@@ -144,30 +141,24 @@ PLACES = tuple(Alternative(f"focus {n}", str(n), {"x": float(n)}) for n in (1, 2
 
 @given(seed=st.integers(0, 2**32 - 1))
 def test_localisation_row_contains_factors_of_drawn_place(seed):
-    rng = np.random.default_rng(seed)
-    outcome = answered(
-        Localisation(), shown(20.0, alternatives=PLACES), rng, choosing(lambda request: request.options[0])
-    )
+    first = choosing(lambda request: request.options[0])
+    outcome = answered(Localisation(), shown(20.0, alternatives=PLACES), np.random.default_rng(seed), first)
     assert outcome.factors == {"x": float(outcome.target)}
     assert outcome.success == (outcome.target == 1)
 
 
 def test_strong_focus_is_located_and_weak_guessed():
     condition = Condition({}, "tone", "dB re 1 V", catalogue.TOUCHES["press"], alternatives=PLACES)
-    n = 300
 
-    def share(level):
-        block = Block((Track(condition, ConstantStimuli((level,), n)),), Localisation())
-        memory = Memory()
+    def correct(level):
+        block, memory = Block((Track(condition, ConstantStimuli((level,), 300)),), Localisation()), Memory()
         run(run_block(block, 1, 1, np.random.default_rng()), catalogue.simulated(observer="keen"), memory)
-        valid = [trial.correct for trial in memory.trials if trial.valid]
-        return np.mean(valid), len(valid)
+        return [trial.correct for trial in memory.trials if trial.valid]
 
-    strong, n_strong = share(40.0)
-    weak, n_weak = share(-60.0)
-    assert strong == 1.0
-    assert abs(weak - 1 / 3) <= AT_1E_4 * math.sqrt(2 / 9 / n_weak)
-    assert n_strong >= n
+    strong, weak = correct(40.0), correct(-60.0)
+    assert all(strong)
+    assert abs(np.mean(weak) - 1 / 3) <= AT_1E_4 * math.sqrt(2 / 9 / len(weak))
+    assert len(strong) >= 300
 
 
 def test_preference_row_names_items_in_presented_order():
@@ -199,9 +190,6 @@ def test_invalid_adjustment_is_refused(numbers, words):
         AdjustmentTask(*numbers)
 
 
-# --- questionnaires
-
-
 def test_rating_records_a_row_for_each_item():
     memory = lived("rating")
     trial = [row for row in memory.trials if row.trial == 1 and row.valid]
@@ -228,15 +216,12 @@ def test_items_are_in_published_or_random_order():
     assert {tuple(sorted(order)) for order in drawn} == {tuple(sorted(published))}
 
 
-@pytest.mark.parametrize(("name", "sizes"), [("attrakdiff", [7] * 4), ("attrakdiff-mini", [5, 5]), ("sus", [5, 5])])
-def test_pages_are_equally_long(name, sizes):
+@pytest.mark.parametrize(
+    ("name", "sizes", "most"), [("attrakdiff", [7] * 4, 7), ("attrakdiff-mini", [5, 5], 7), ("sus", [5, 5], 5)]
+)
+def test_questionnaire_pages_are_equally_long_up_to_maximum(name, sizes, most):
     form = load(name)
     assert [len(page.questions) for page in pages(form, form.items)] == sizes
-
-
-@pytest.mark.parametrize(("name", "most"), [("attrakdiff", 7), ("sus", 5)])
-def test_page_contains_seven_word_pairs_or_five_statements(name, most):
-    form = load(name)
     assert [len(pages(form, form.items[:n])) for n in (most, most + 1)] == [1, 2]
 
 
@@ -252,7 +237,6 @@ def test_unanswered_item_has_empty_response():
 
 
 def test_scores_of_constant_raw_answers_follow_item_reversals():
-    """All raw answers are 7, in presented order with reversals."""
     course = fill_in(FULL, np.random.default_rng(1), shuffled=True)
     page, replies = next(course), None
     try:
@@ -261,26 +245,13 @@ def test_scores_of_constant_raw_answers_follow_item_reversals():
     except StopIteration as stop:
         replies = stop.value
     scores = FULL.scores({reply.item: reply.response for reply in replies})
-    assert {name: round(7 * score, 9) for name, score in scores.items()} == {
-        "PQ": -3,
-        "HQI": 3,
-        "HQS": -3,
-        "ATT": -3,
-        "HQ": 0,
-    }
-
-
-# --- the simulated participant answers every question
+    rounded = {name: round(7 * score, 9) for name, score in scores.items()}
+    assert rounded == {"PQ": -3, "HQI": 3, "HQS": -3, "ATT": -3, "HQ": 0}
 
 
 def test_simulated_participant_answers_every_question():
-    asked = {
-        request.question
-        for task in catalogue.TASKS
-        for request, _ in lived(task).entries
-        if isinstance(request, Choose)
-    }
-    assert asked == set(DECISIONS)
+    requests = [request for task in catalogue.TASKS for request, _ in lived(task).entries]
+    assert {request.question for request in requests if isinstance(request, Choose)} == set(DECISIONS)
 
 
 @pytest.mark.parametrize("language", languages())
@@ -308,9 +279,6 @@ def test_equal_pairs_are_called_different_at_expected_rate():
     share = np.mean([observer.differ([5.0, 5.0], rng) for _ in range(n)])
     expected = 2 * norm.sf(observer.criterion) * (1 - observer.lapse_rate) + observer.lapse_rate / 2
     assert abs(share - expected) <= AT_1E_4 * math.sqrt(expected * (1 - expected) / n)
-
-
-# --- bias between intervals
 
 
 def test_unbiased_observer_has_criterion_near_zero():

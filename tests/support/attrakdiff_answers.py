@@ -28,3 +28,11 @@ PATTERNS = ("P0", *THESIS)
 
 def raw_of(item: str, score: float) -> float:
     return 4 - score if FORM.item(item).reversed else 4 + score
+
+
+def write(path, table):
+    """Write answers as a trials table, and return its path."""
+    table = table.assign(session=1, study="patterns", block=1, trial=range(1, len(table) + 1), level="", valid=1)
+    first = ["participant", "session", "study", "block", "trial", "pattern", "procedure", "level"]
+    table[[*first, "task", "item", "response", "valid"]].to_csv(path, index=False)
+    return path
