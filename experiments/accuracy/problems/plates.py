@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from tactometry.stimuli.arrays import ComplexArray
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import Modes, modes_of
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
@@ -25,7 +26,7 @@ FEWER = (19, 17, 15, 13, 11, 9)
 N_SCANNED = 400
 FIELD_TO_HZ, POINTS_PER_M, N_POINTS = 20e3, (200, 400, 800, 1600, 3200), 4000
 GOLDEN = 0.6180339887498949
-PULP, PULP_HZ = PulpLoad(0.1, 0.1, 6e-3, Tissue()), np.geomspace(1e3, 6e4, 200)
+PULP, PULP_S = PulpLoad(0.1, 0.1, 6e-3, Tissue()), np.asarray(2j * np.pi * np.geomspace(1e3, 6e4, 200))
 PRESSURES_AND_PATHS, FINEST_PULP = ((1, 1), (2, 1), (4, 1), (N_PRESSURES, 1), (N_PRESSURES, 8), (10, 32)), (20, 128)
 
 
@@ -179,7 +180,7 @@ def pulp_impedance() -> Problem:
     settings = [
         Setting(f"{n} pressures, path x {path}", partial(_pulp_stiffness, n, path)) for n, path in PRESSURES_AND_PATHS
     ]
-    default = Setting(f"{N_PRESSURES}, polynomial (default)", lambda: PULP.dynamic_stiffness(2j * np.pi * PULP_HZ))
+    default = Setting(f"{N_PRESSURES}, polynomial (default)", lambda: PULP.dynamic_stiffness(PULP_S))
     return Problem(
         f"largest relative error of the impedance from 1 to 60 kHz, disc with a radius of {PULP.radius_m * 1e3:g} mm",
         reference=Reference("20 pressures, path x 128", partial(_pulp_stiffness, *FINEST_PULP), 1e-7),
@@ -188,6 +189,5 @@ def pulp_impedance() -> Problem:
     )
 
 
-def _pulp_stiffness(n_pressures: int, path: float) -> Real:
-    s = 2j * np.pi * PULP_HZ
-    return disc_stiffness(s, PULP.radius_m, PULP.tissue, n_pressures=n_pressures, path=path)
+def _pulp_stiffness(n_pressures: int, path: float) -> ComplexArray:
+    return disc_stiffness(PULP_S, PULP.radius_m, PULP.tissue, n_pressures=n_pressures, path=path)
