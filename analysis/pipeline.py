@@ -10,16 +10,14 @@ import pandas as pd
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile
 
-from .outcomes.categories import categories
 from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, group_fit
 from .outcomes.outcome import outcome
-from .outcomes.ratings import Ratings, ratings
+from .outcomes.ratings import Ratings, categories, ratings
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
-from .reading.course import happenings, sittings
 from .reading.origin import Origin, of_one_kind
-from .reading.quality import exclude, frames, quality, with_frames
+from .reading.quality import exclude, frames, happenings, quality, sittings, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
@@ -28,13 +26,11 @@ from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells as counting
 from .tasks.applied_force import force_of_participants, force_table, has_force
-from .tasks.cell import Cell, Estimate
-from .tasks.goodness import SEED, goodness_columns, goodness_table
-from .tasks.kinds import ANALYSES, CURVES, RESULTS
-from .tasks.lapses import LAPSES, lapse_table
+from .tasks.cells import Cell, Estimate
+from .tasks.goodness import LAPSES, SEED, goodness_columns, goodness_table, lapse_table
 from .tasks.rule_estimate import Replay, rule_columns, tracks
 from .tasks.standard import FLOORS, TESTS, lowest_levels, standard_tests
-from .tasks.task_analysis import Results
+from .tasks.task_analysis import ANALYSES, CURVES, RESULTS, Results
 
 Tables = dict[str, pd.DataFrame]
 UNSCORED = "; forced choices need a column 'correct' or 'target'"

@@ -12,8 +12,8 @@ from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, read_toml
 from tactometry.errors import nearest
 
+from .reading.origin import study_table
 from .reading.quality import Exclusion
-from .reading.study_file import study_table
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,9 @@ from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome
 from .outcomes.ratings import Ratings
 from .plan import AnalysisPlan
-from .reading.origin import Origin
-from .reading.study_file import StudyText
+from .reading.origin import Origin, StudyText
 from .reading.trials import Trials
-from .tasks.cell import Estimate
-from .tasks.cells import CHOICES
+from .tasks.cells import CHOICES, Estimate
 
 SHOWN_ROWS: Final = 20
 LAST_SHOWN: Final = ("quality", "excluded", "sittings", "happenings")

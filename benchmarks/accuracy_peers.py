@@ -17,9 +17,8 @@ import peers_of_motion
 import peers_of_plates
 
 from tactometry.experiments.accuracy import PROBLEMS, problem_of
-from tactometry.experiments.accuracy.measure import PEERS as RECORD, Point, measure
+from tactometry.experiments.accuracy.measure import OURS, PEERS as RECORD, Point, Setting, measure
 from tactometry.experiments.accuracy.page import table
-from tactometry.experiments.accuracy.problem import OURS, Setting
 from tactometry.experiments.harness import machine
 
 PEERS: dict[str, Callable[[], Sequence[Setting]]] = {

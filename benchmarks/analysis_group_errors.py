@@ -18,8 +18,7 @@ from scipy.special import fdtrc
 from scipy.stats import t as student
 
 from tactometry.analysis.anova.censored import censored_anova
-from tactometry.analysis.anova.contrasts import ContrastEffect, contrasts, epsilons, permutation_p
-from tactometry.analysis.anova.design import UndefinedStatistic
+from tactometry.analysis.anova.design import ContrastEffect, UndefinedStatistic, contrasts, epsilons, permutation_p
 from tactometry.analysis.anova.group_means import DIFFERENCE, within_variances
 from tactometry.analysis.anova.post_hoc import all_together
 from tactometry.experiments.harness import tell

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.accuracy.problem import Setting
+from tactometry.experiments.accuracy.measure import Setting
 from tactometry.experiments.accuracy.problems import posteriors
 from tactometry.psychometric import shape_named
 

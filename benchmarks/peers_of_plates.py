@@ -12,7 +12,7 @@ from scipy import sparse
 from scipy.linalg import LinAlgError, eigh
 from scipy.sparse.linalg import eigsh
 
-from tactometry.experiments.accuracy.problem import Setting
+from tactometry.experiments.accuracy.measure import Setting
 from tactometry.experiments.accuracy.problems import plates
 from tactometry.stimuli.time_reversal.plate.plate import Plate
 from tactometry.stimuli.time_reversal.plate.rectangle import Family, LegendreAxis

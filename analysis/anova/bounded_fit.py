@@ -20,7 +20,7 @@ from scipy.special import log_ndtr, ndtri_exp
 from tactometry.psychometric import log1mexp
 
 from ..arrays import Array, Bools, Indices
-from .contrasts import contrasts, effect_places
+from .design import contrasts, effect_places
 
 TOLERANCE = 1e-8
 """Convergence tolerance of a step: in standard deviations for means, in logarithms for variances."""

@@ -18,8 +18,7 @@ from ..arrays import Array
 from ..distributions import Student
 from .bounded_design import BoundedDesign, bounded_design
 from .bounded_fit import BoundedFit, fit_bounded
-from .contrasts import effect_places, epsilons
-from .design import MAX_FACTORS, DesignStatus, expect_defined, names_of
+from .design import MAX_FACTORS, DesignStatus, effect_places, epsilons, expect_defined, names_of
 from .group_means import within_variances
 from .post_hoc import all_together, two_one_sided, with_verdicts
 from .within_subjects import INTERVAL, EffectTest, effect_table

@@ -17,8 +17,17 @@ from tactometry.arguments.require import expect
 
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
 from ..means import parts
-from .contrasts import effects, epsilons, participant_scores
-from .design import DesignStatus, expect_defined, finite_rows, names_of, refuse_one, within_design
+from .design import (
+    DesignStatus,
+    effects,
+    epsilons,
+    expect_defined,
+    finite_rows,
+    names_of,
+    participant_scores,
+    refuse_one,
+    within_design,
+)
 from .post_hoc import all_together, bayes_factor
 from .within_subjects import INTERVAL, EffectTest, effect_table, scaled_design, with_notes
 

@@ -17,8 +17,18 @@ from scipy.special import ncfdtr
 from ..arrays import Array, size_of
 from ..distributions import Fisher
 from ..wording import p_text, share_text
-from .contrasts import MOST_EXACT, ContrastEffect, effects, epsilons, participant_scores, permutation_p
-from .design import DesignStatus, WithinDesign, spread, within_design
+from .design import (
+    MOST_EXACT,
+    ContrastEffect,
+    DesignStatus,
+    WithinDesign,
+    effects,
+    epsilons,
+    participant_scores,
+    permutation_p,
+    spread,
+    within_design,
+)
 
 INTERVAL = 0.90
 """An interval with this coverage excludes 0 exactly if the test is significant at 5 % (Steiger 2004)."""

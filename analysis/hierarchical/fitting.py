@@ -29,8 +29,17 @@ from ..threshold.fitting import check_rates
 from .model import GroupModel, StudyCounts, rate_of
 from .posterior import N_POINTS, Integrated, Laplace, integrate
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
-from .single_fits import Known, SingleFits, single_fits
-from .tables import CONDITION_COLUMNS, ParameterPlace, cell_place, condition_table, group_place, participant_table
+from .tables import (
+    CONDITION_COLUMNS,
+    Known,
+    ParameterPlace,
+    SingleFits,
+    cell_place,
+    condition_table,
+    group_place,
+    participant_table,
+    single_fits,
+)
 
 ENOUGH_EFFECTIVE = 25.0
 COARSE = "the integral over the variances has only {:.0f} effective points, so the intervals are approximate"

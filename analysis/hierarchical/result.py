@@ -10,7 +10,7 @@ import pandas as pd
 
 from tactometry.arguments.require import expect
 
-from ..anova.contrasts import epsilons
+from ..anova.design import epsilons
 from ..arrays import Array, StatusWithNote
 from ..distributions import Fisher
 from .posterior import normal_chances, quantiles

@@ -13,7 +13,7 @@ import pandas as pd
 from ..anova.censored import CensoredAnova
 from ..anova.design import DesignStatus
 from ..mixed_models.linear import MixedModel
-from ..tasks.kinds import RESULTS
+from ..tasks.task_analysis import RESULTS
 
 FORCE = "force_n"
 DIFFERENCES = ("jnd",)

@@ -1,17 +1,27 @@
 """Questionnaires of a data set: scores, tables and comparisons."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import pandas as pd
 
-from tactometry.questionnaire import Questionnaire
+from tactometry.questionnaire import ChoiceForm, Questionnaire
 from tactometry.trials.tasks import FORM_TASK
 
-from ..attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
-from ..attrakdiff.scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
-from ..reading.study_file import forms_of
+from ..attrakdiff.scoring import (
+    THESIS,
+    against_reference,
+    consistency,
+    frequency_by_envelope,
+    grouped_profile,
+    item_scores,
+    portfolio,
+    scores,
+    summary,
+    word_pairs,
+)
+from ..reading.origin import choices_of, forms_of
 from ..reading.trials import Trials, asked_rows
 from ..wording import condition_name, decimals_of, interval_text
 from .findings import Outcome, Primary
@@ -201,3 +211,27 @@ def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
     """Add a text column `condition`."""
     rows = table[list(factors)].itertuples(index=False, name=None)
     return table.assign(condition=[condition_name(factors, row) for row in rows])
+
+
+NOT_SAID = "prefer not to say"
+COLUMNS = ("form", "item", "question", "code", "category", "n")
+
+
+def categories(trials: Trials) -> pd.DataFrame:
+    """Return numbers of participants by question and category."""
+    rows = asked_rows(trials)
+    if not {"item", "procedure"} <= set(rows.columns):
+        return pd.DataFrame(columns=list(COLUMNS))
+    forms = choices_of(trials.path)
+    rows = rows[(rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)]
+    last = rows.drop_duplicates(["participant", "procedure", "item"], keep="last")
+    counted = [row for name, answers in last.groupby("procedure") for row in _counts(forms[str(name)], answers)]
+    return pd.DataFrame(counted, columns=list(COLUMNS))
+
+
+def _counts(form: ChoiceForm, answers: pd.DataFrame) -> Iterator[tuple[object, ...]]:
+    for item in form.items:
+        codes = pd.to_numeric(answers.loc[answers["item"] == item.id, "response"], errors="coerce")
+        for code in item.codes if len(codes) and item.options else ():
+            question = item.prompt.get("en", next(iter(item.prompt.values())))
+            yield form.name, item.id, question, code, item.category(code) or NOT_SAID, int((codes == code).sum())

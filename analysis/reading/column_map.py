@@ -14,10 +14,9 @@ from tactometry.config.strict import read_toml
 from tactometry.errors import InvalidFile, count_of
 from tactometry.trials.row_rules import NUMBERS
 
-from .file_text import plain_text, trimmed
 from .level_scale import PLACED, SETTINGS, LevelScale
-from .rows import expect_column, holds
-from .unfolded import POSITIVE, TOTAL, counted_trials, survey_answers, with_responses
+from .rows import POSITIVE, TOTAL, counted_trials, expect_column, holds, survey_answers, with_responses
+from .trial_files import plain_text, trimmed
 
 NEEDED = ("participant", "level", "task", "response", POSITIVE, TOTAL)
 """Columns that every table must contain."""

@@ -19,7 +19,7 @@ from tactometry.errors import InvalidFile
 from tactometry.files.json_file import json_items
 from tactometry.trials.row_rules import MOST_COLUMNS
 
-from .file_text import file_text, is_json_list, trimmed
+from .trial_files import file_text, is_json_list, trimmed
 
 TEXT = pd.StringDtype("python", na_value=np.nan)
 """Data type of cells, which does not depend on pyarrow being installed."""

@@ -23,10 +23,12 @@ from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
 from .column_map import ColumnMap, missing_notes, shared_name_notes, stated_codes, translate, trials_of
 from .contradictions import contradictions
-from .file_text import plain_text
 from .level_scale import on_scale, wide_levels
 from .participants import alike_notes, alike_values, with_codes, without_separators
 from .rows import (
+    ALTERNATIVES,
+    POSITIVE,
+    TOTAL,
     bad_cell,
     begun_notes,
     expect_column,
@@ -43,8 +45,7 @@ from .rows import (
     with_rows,
 )
 from .text_table import text_cells
-from .trial_files import copy_notes, trial_files, unread_notes
-from .unfolded import ALTERNATIVES, POSITIVE, TOTAL
+from .trial_files import copy_notes, plain_text, trial_files, unread_notes
 
 REQUIRED = ("participant", "level", "task", "response")
 READ = tuple(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL, *FOREIGN))

@@ -9,16 +9,15 @@ from tactometry.errors import count_of
 from tactometry.trials.tasks import FORM_TASK, PRACTICE_MISSED
 
 from ..outcomes.ratings import asked_forms
+from ..reading.origin import choices_of, forms_of
 from ..reading.rows import correctness
-from ..reading.study_file import choices_of, forms_of
 from ..reading.trials import Trials, used_rows
 from ..result import Analysis
 from ..tasks.cells import CHOICES, STATED
-from ..tasks.goodness import goodness_warnings
-from ..tasks.kinds import CURVES, RESULTS
-from ..tasks.lapses import LAPSES, lapse_warnings
+from ..tasks.goodness import LAPSES, goodness_warnings, lapse_warnings
 from ..tasks.localisation import OF_PARTICIPANTS, conditions_of_fits
 from ..tasks.standard import FLOORS, floor_warnings
+from ..tasks.task_analysis import CURVES, RESULTS
 from ..threshold.status import Status
 from ..wording import first_named, named_cells, percent_text
 

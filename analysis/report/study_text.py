@@ -9,8 +9,8 @@ from tactometry.config.quantity import as_si
 from tactometry.config.toml import errors_in, read_table
 
 from ..reading.level_scale import SETTINGS
-from ..reading.study_file import StudyText
-from ..tasks.kinds import ANALYSES
+from ..reading.origin import StudyText
+from ..tasks.task_analysis import ANALYSES
 from ..wording import in_words, level_of, percent_text, procedure_phrase, split_unit
 from .texts import paragraph
 

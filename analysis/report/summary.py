@@ -7,7 +7,7 @@ import pandas as pd
 
 from ..reading.quality import tally_of
 from ..result import Analysis
-from .kinds import KINDS
+from .section import KINDS
 
 ORDER = (
     *("thresholds", "goodness", "outcomes", "hierarchical", "questionnaires", "questionnaire_statistics", "loss"),

@@ -4,8 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from ..wording import in_words
-from .kinds import KINDS
-from .section import TextGrid, grid
+from .section import KINDS, TextGrid, grid
 
 if TYPE_CHECKING:
     from rich.table import Table

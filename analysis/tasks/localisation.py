@@ -14,7 +14,7 @@ from ..means import MEAN, POSITIVE, by_condition, mean_row, parts as split, rate
 from ..reading.rows import correctness, numbers_of
 from ..threshold.estimates import ThresholdFit
 from ..threshold.fitting import fit_many
-from .cell import Cell, Estimate, counted_cells, stacked_counts
+from .cells import Cell, Estimate, counted_cells, stacked_counts
 from .goodness import SEED, goodness_columns
 from .task_analysis import Results, TaskAnalysis
 

@@ -11,8 +11,8 @@ import pandas as pd
 
 from tactometry.trials.tasks import EASY
 
-from ..reading.unfolded import COUNTED
-from .cell import Estimate
+from ..reading.rows import COUNTED
+from .cells import Estimate
 
 RUN = ("session", "study", "block")
 """Columns that identify a block, together with the participant."""

@@ -14,8 +14,8 @@ from ..reading.level_scale import is_logarithm
 from ..reading.rows import numbers_of
 from ..threshold.status import Status
 from ..wording import condition_name, in_unit, interval_text, p_text, percent_text
-from .cell import Cell
-from .kinds import CURVES
+from .cells import Cell
+from .task_analysis import CURVES
 
 TASKS = tuple(name for name, curve in CURVES.items() if curve.has_difference)
 STANDARD, UNIT = "standard_level", "level_unit"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tactometry.loading import resolve
 
 if TYPE_CHECKING:
-    from .problem import Problem
+    from .measure import Problem
 
 _HERE = "tactometry.experiments.accuracy.problems"
 PROBLEMS: Mapping[str, str] = {

@@ -8,8 +8,7 @@ from pathlib import Path
 from tactometry.errors import attempt
 
 from ..harness import machine, table as markdown
-from .measure import GOALS, AccuracyCurve, Point, peers_of, recorded_on
-from .problem import OURS, Problem
+from .measure import GOALS, OURS, AccuracyCurve, Point, Problem, peers_of, recorded_on
 
 ROW = "{:<29}{:>9}{:>10}{:>10}{:>10}{:>8}{:>11}{:>11}"
 HEAD = """# What accuracy costs

@@ -8,8 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any, TypeVar
 
-from tactometry.arguments.require import expect
-from tactometry.arguments.unlimited import Unlimited, warning_of
+from tactometry.arguments.require import Unlimited, expect, warning_of
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import as_table, build, build_kind, check_keys, values_of
 from tactometry.config.toml import errors_in, read_table

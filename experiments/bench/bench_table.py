@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from tactometry.arguments.require import expect
-from tactometry.arguments.unlimited import Unlimited
+from tactometry.arguments.require import Unlimited, expect
 from tactometry.config.strict import as_table
 from tactometry.config.toml import LARGEST_FILE, errors_in, read_table
 from tactometry.files.durable import read_file, write_atomically

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from tactometry.palette import BLUE, ORANGE
-from tactometry.stimuli.time_reversal.figures.style import label, save, sheet
+from tactometry.stimuli.time_reversal.figures.theory import label, save, sheet
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 
 from .calibration import ForceFit

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.unlimited import HIGHEST
+from tactometry.arguments.require import HIGHEST
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import with_ramps
 from tactometry.devices.sensors.reader import Reader, SampleBlock

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import ttest_rel
 
-from tactometry.analysis.tasks.cell import Cell, Estimate
-from tactometry.analysis.tasks.cells import estimates
-from tactometry.analysis.tasks.lapses import ALPHA, lapse_table
+from tactometry.analysis.tasks.cells import Cell, Estimate, estimates
+from tactometry.analysis.tasks.goodness import ALPHA, lapse_table
 from tactometry.protocols.procedures.easy import with_easy_trials
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction

@@ -10,8 +10,7 @@ from typing import TypeVar
 
 import pandas as pd
 
-from tactometry.analysis.reading.origin import Origin, of_one_kind
-from tactometry.analysis.reading.study_file import choices_of, forms_of
+from tactometry.analysis.reading.origin import Origin, choices_of, forms_of, of_one_kind
 from tactometry.analysis.reading.text_table import text_cells
 from tactometry.analysis.reading.trial_files import trial_files
 from tactometry.analysis.reading.trials import Trials, read_trials, used_rows

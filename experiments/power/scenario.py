@@ -9,7 +9,7 @@ import numpy as np
 
 from tactometry.analysis.outcomes.ratings import PATTERN, REFERENCE
 from tactometry.analysis.plan import AnalysisPlan
-from tactometry.analysis.tasks.kinds import ANALYSES
+from tactometry.analysis.tasks.task_analysis import ANALYSES
 from tactometry.arguments.require import expect, one_of
 from tactometry.config.strict import build
 from tactometry.config.toml import merge

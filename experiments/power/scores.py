@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.patterns import BY, THESIS, against_reference, frequency_by_envelope
+from tactometry.analysis.attrakdiff.scoring import BY, THESIS, against_reference, frequency_by_envelope
 from tactometry.analysis.outcomes.findings import FORCE, Outcome, Primary
 from tactometry.analysis.outcomes.outcome import MEASURED
 from tactometry.analysis.outcomes.ratings import PATTERN, are_patterns, form_scores, score_outcome

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from ..study.source_table import Group, Parameter, Value, groups, parameters, status_counts
+from ..study.influence import Group, Parameter, Value, groups, parameters, status_counts
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "reference" / "sources.md"
 HEAD: Final = """# Parameters and their sources

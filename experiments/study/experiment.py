@@ -36,9 +36,8 @@ from .checks import Strongest, check_forces, check_places, check_signal
 from .felt_scene import FeltScene, scene_in_words
 from .own_parts import Unseen
 from .procedure_table import check_guess_rates, practice_of
-from .prompts import messages_of, texts_of
 from .session_plan import Factors, Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
-from .study import Study
+from .study import Study, messages_of, texts_of
 from .task_table import DECISIONS, TaskTable, asked_form, dimensions_of, task_of
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from tactometry.rigs.texts import LIST, N_NEAREST, PageImage, Texts, image_of, l
 from tactometry.session.request import Show
 
 from .experiment import Experiment
-from .prompts import by_language
 from .session_plan import all_sessions, stream
+from .study import by_language
 
 WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "declined", "practice_missed"))
 """Messages of pages within a block, for consent, and after a missed practice criterion."""

@@ -24,8 +24,7 @@ from tactometry.questionnaire import (
 )
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
-from .prompts import Prompt, PromptTable, prompted
-from .study import Study, no_such
+from .study import Prompt, PromptTable, Study, no_such, prompted
 
 TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
 """Tasks by name, which is that of their file."""

@@ -8,7 +8,7 @@ from statistics import fmean
 import numpy as np
 from scipy.signal import resample
 
-from tactometry.observers import responses
+from tactometry.observers import decisions
 from tactometry.stimuli.defaults import RESISTANCE_N_S_PER_M
 from tactometry.stimuli.scenes.default_scenes import default_scene
 from tactometry.stimuli.time_reversal.finger import PULP_MASS_KG, amplitude_loss, ejection_force_n
@@ -21,11 +21,10 @@ from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation, free_displacement
 
 from ..study.felt_scene import felt
-from .predicted_loss import PRESSED_N, predicted_loss
-from .predicted_threshold import focus_course, predicted_threshold
-from .ranges import N_DRAWS, PULP, RANGES, SEED, of_ranges
+from .predicted_threshold import PRESSED_N, focus_course, predicted_loss, predicted_threshold
 from .reproduction import Number, Origin
 from .setups import ELSEWHERE, FOCUS, RIG_BAND
+from .spread import N_DRAWS, PULP, RANGES, SEED, of_ranges
 from .studies import cells_of, contact_of, sensation_db, threshold_db
 
 BAND_ASSUMES = f"5 to 95 % of {N_DRAWS} draws with seed {SEED}"
@@ -142,7 +141,7 @@ BEST = ("200 Hz", "sinc")
 
 def pleasant_patterns() -> Iterator[Number]:
     felt_db = levels_db()
-    liked = {name: responses.liking(level_db) for name, level_db in felt_db.items()}
+    liked = {name: decisions.liking(level_db) for name, level_db in felt_db.items()}
     order = sorted(liked, key=lambda name: -liked[name])
     is_order = max(felt_db.values()) - min(felt_db.values()) >= SAME_DB
     for name, level_db in felt_db.items():

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.tasks.cell import Cell
-from tactometry.analysis.tasks.cells import cells, estimates
-from tactometry.analysis.tasks.kinds import CURVES
+from tactometry.analysis.tasks.cells import Cell, cells, estimates
+from tactometry.analysis.tasks.task_analysis import CURVES
 from tactometry.analysis.threshold.band import CurveBand, curve_band
 from tactometry.analysis.threshold.estimates import ThresholdFit
 from tactometry.analysis.wording import (

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from . import view
-from .sight import Drawn, Sight
+from .watcher import Drawn, Sight
 
 if TYPE_CHECKING:
     from jinja2 import Template

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from tactometry.session.progress import AnsweredTouch, Progress
 
-from .sight import Drawn, Sight, TouchDrawn
-from .watcher import Watcher
+from .watcher import Drawn, Sight, TouchDrawn, Watcher
 
 if TYPE_CHECKING:  # The analysis libraries take seconds to load. The address is printed before that.
     from .curve import Answers

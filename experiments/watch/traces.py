@@ -11,7 +11,7 @@ from tactometry.session.progress import AnsweredTouch
 from tactometry.signal import FloatArray
 
 from .plots import BOTTOM, LEFT, RIGHT, TOP, Plot, ruler_over
-from .sight import TouchDrawn
+from .watcher import TouchDrawn
 
 MOST_BINS = 150
 LABELS = {"force": ("Force", "force (N)"), "position": ("Position", "position (m)")}

@@ -13,7 +13,7 @@ from tactometry.trials.tasks import TASKS, YES_OR_NO
 from tactometry.trials.trial import Trial
 
 from .plots import Plot, condition_words, last_presented, levels_plot
-from .sight import Sight
+from .watcher import Sight
 
 MOST_PLOTS = 4
 """Largest number of interleaved tracks with a plot."""

@@ -7,8 +7,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from tactometry.arguments.constraints import Rate, constrained, excerpt
-from tactometry.arguments.magnitudes import is_number
+from tactometry.arguments.constraints import Rate, constrained, excerpt, is_number
 from tactometry.arguments.require import below, expect, finite, numbers, one_of, whole, without_none
 
 from .parameter_grid import ParameterGrid

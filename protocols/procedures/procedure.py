@@ -9,8 +9,7 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, Protocol, Self, T
 import numpy as np
 from annotated_types import Ge
 
-from tactometry.arguments.constraints import excerpt
-from tactometry.arguments.magnitudes import is_number
+from tactometry.arguments.constraints import excerpt, is_number
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 

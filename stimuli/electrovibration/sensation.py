@@ -3,8 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal
 
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 
 from ..defaults import THRESHOLD_M
 from .attraction.contact_area import ContactArea, PowerLawArea

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.magnitudes import is_number
+from tactometry.arguments.constraints import is_number
 from tactometry.arguments.require import expect, of_kind
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, nearest

@@ -6,8 +6,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.annotations import Positive, PositiveWhole
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, PositiveWhole, checked
 from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 

@@ -8,8 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import NotNegative, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, checked
 from tactometry.arguments.require import one_of, some
 
 from ..defaults import RESISTANCE_N_S_PER_M

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Literal
 
-from tactometry.arguments.annotations import NotNegative, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, checked
 from tactometry.arguments.require import at_most, expect, one_of
 
 from ..defaults import (

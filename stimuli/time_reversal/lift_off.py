@@ -12,8 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.annotations import Positive, Vector
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, Vector, checked
 from tactometry.arguments.require import expect, positive, shape
 
 from ..arrays import FloatArray

@@ -23,8 +23,7 @@ from annotated_types import Ge, Interval
 from numpy.polynomial.chebyshev import chebinterpolate, chebval
 from numpy.polynomial.legendre import leggauss
 
-from tactometry.arguments.annotations import NotNegative, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, checked
 from tactometry.arguments.require import expect
 
 from ..arrays import ComplexArray, FloatArray

@@ -68,8 +68,7 @@ def command(
 
 
 def _write_figures(best: Sheet, among: Sequence[Sheet], figure: Path) -> None:
-    from tactometry.stimuli.time_reversal.figures.style import save
-    from tactometry.stimuli.time_reversal.figures.theory import over_thickness, trade_offs
+    from tactometry.stimuli.time_reversal.figures.theory import over_thickness, save, trade_offs
 
     with writing(figure):
         save(trade_offs(best.guide), figure)

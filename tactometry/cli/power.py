@@ -10,8 +10,7 @@ import click
 from tactometry.experiments.power.analysis import Power, power
 from tactometry.experiments.power.design import PowerDesign, participants_of, trials_of
 from tactometry.experiments.power.effect import parse_effect
-from tactometry.experiments.power.files import Folder, asked
-from tactometry.experiments.power.sampling import Batch
+from tactometry.experiments.power.files import Batch, Folder, asked
 from tactometry.experiments.power.scenario import check_design
 from tactometry.experiments.power.summary import table
 from tactometry.experiments.study.study_file import folder_of, load
@@ -65,7 +64,7 @@ def command(
     with workers(n_jobs, scheduler) as spread:
         found = power(design, spread, folder, _tell)
     if out is not None:
-        from tactometry.experiments.power.page import write_page
+        from tactometry.experiments.power.analysis import write_page
 
         write_page(found, out)
     record = {

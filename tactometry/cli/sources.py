@@ -37,7 +37,7 @@ def command(study: str, *, allow_code: bool) -> None:
 
 
 def _lines(study: str, found: "StudySources") -> Iterator[str]:
-    from tactometry.experiments.study.source_table import status_counts
+    from tactometry.experiments.study.influence import status_counts
 
     condition = ", ".join(f"{name} {cell(value)}" for name, value in found.condition.items())
     place = "predicted threshold" if found.is_threshold else "highest level"

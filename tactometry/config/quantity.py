@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from math import nan
 from typing import Any
 
-from ..arguments.unlimited import WORD
+from ..arguments.require import WORD
 from ..errors import Gathered, InvalidParameter, nearest
 
 _PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}

@@ -11,7 +11,7 @@ from typing import Any, Final, TypeVar
 
 import msgspec
 
-from ..arguments.unlimited import UNLIMITED, WORD, Unlimited, check_highest
+from ..arguments.require import UNLIMITED, WORD, Unlimited, check_highest
 from ..errors import Gathered, InvalidParameter, nearest, nearest_of
 from ..loading import resolve
 from .toml import errors_in, read_table

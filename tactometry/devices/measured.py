@@ -6,7 +6,7 @@ from typing import Annotated
 from annotated_types import Ge
 
 from ..arguments.constraints import constrained
-from ..arguments.unlimited import Unlimited
+from ..arguments.require import Unlimited
 from ..errors import DeviceFailed
 
 MaxAge = Annotated[int, Ge(0)] | Unlimited

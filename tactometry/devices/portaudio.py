@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from ..arguments.require import expect
 from ..errors import DeviceFailed, library_needed
-from .deadline import CLOSE_WITHIN_S, within
+from .clock_map import CLOSE_WITHIN_S, within
 
 FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
 """Number that represents 1 in each sample format."""

@@ -8,7 +8,7 @@ from typing import Final, Protocol, Self, runtime_checkable
 import numpy as np
 
 from ..arguments.constraints import Finite, NotNegative, Positive, Share, constrained
-from .responses import either
+from .decisions import either
 
 Answer = float | str | None
 """Response in a row of the trials table."""

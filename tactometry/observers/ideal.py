@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from ..arguments.constraints import Finite, NotNegative, Positive, constrained
-from . import responses
+from . import decisions
 from .people import ObserverWithTraits, Traits
 
 
@@ -53,11 +53,11 @@ class IdealObserver(ObserverWithTraits):
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
         del rng
-        return responses.magnitude(sensation_db + self.sensitivity_db)
+        return decisions.magnitude(sensation_db + self.sensitivity_db)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
         del rng
-        return responses.liking(sensation_db + self.sensitivity_db)
+        return decisions.liking(sensation_db + self.sensitivity_db)
 
     def answer_time_s(self, rng: np.random.Generator) -> float:
         del rng

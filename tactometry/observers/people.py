@@ -15,9 +15,8 @@ from ..arguments.require import expect, one_of
 from ..config.strict import LOST_LEVEL, check_keys
 from ..session.request import Facts
 from ..trials.cells import cell as cell_text
-from .decisions import Observer
+from .decisions import MOST_LAPSES, Observer
 from .finger import SimulatedFinger
-from .responses import MOST_LAPSES
 
 TRAITS: Final = ("sensitivity", "criterion", "exponent", "lapse", "latency", "number", "force", "speed")
 """Traits drawn together for a participant, in the order of the random stream."""

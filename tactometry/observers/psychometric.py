@@ -14,10 +14,10 @@ from ..config.strict import check_keys, convert
 from ..psychometric import SHAPES, PsychometricFunction
 from ..session.request import Facts
 from ..trials.cells import cell as cell_text
-from . import responses
+from . import decisions
 from .changes import Shift
+from .decisions import ALMOST_ALL, HIGHEST_DB, MOST_LAPSES
 from .people import Feeling, ObserverWithTraits, Traits
-from .responses import ALMOST_ALL, HIGHEST_DB, MOST_LAPSES
 
 OF_WIDTH = 2 * 1.6448536269514722
 """Width of a cumulative normal distribution from 0.05 to 0.95, in standard deviations."""
@@ -99,7 +99,7 @@ class PsychometricObserver(ObserverWithTraits):
     def shifted(self, shift: Shift) -> Self:
         """Return this participant in one trial. The criterion does not change."""
         highest = ALMOST_ALL - self.false_alarm_rate
-        return replace(self, lapse_rate=min(responses.either(self.lapse_rate, min(shift.lapse_rate, highest)), highest))
+        return replace(self, lapse_rate=min(decisions.either(self.lapse_rate, min(shift.lapse_rate, highest)), highest))
 
     def chance(self, sensation_db: float, guess_rate: float) -> float:
         """Return the probability of a yes, or of the correct interval."""
@@ -140,14 +140,14 @@ class PsychometricObserver(ObserverWithTraits):
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
         felt_db = sensation_db + self._sd * float(rng.standard_normal())
-        return responses.magnitude(felt_db)
+        return decisions.magnitude(felt_db)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
         del rng
-        return responses.liking(sensation_db)
+        return decisions.liking(sensation_db)
 
     def answer_time_s(self, rng: np.random.Generator) -> float:
-        return responses.answer_time_s(self.latency_s, rng)
+        return decisions.answer_time_s(self.latency_s, rng)
 
     def facts(self) -> Facts:
         names = ("threshold", "width", "shape", "false_alarm_rate", "lapse_rate", "sensitivity_db", "latency_s")

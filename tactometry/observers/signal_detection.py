@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from ..arguments.constraints import Finite, NotNegative, Positive, Rate, constrained
-from . import responses
+from . import decisions
 from .changes import Shift
 from .people import ObserverWithTraits, Traits
 
@@ -64,7 +64,7 @@ class SignalDetectionObserver(ObserverWithTraits):
             self,
             sensitivity_db=self.sensitivity_db + shift.sensitivity_db,
             bias=self.bias + shift.criterion,
-            lapse_rate=responses.either(self.lapse_rate, min(shift.lapse_rate, responses.ALMOST_ALL)),
+            lapse_rate=decisions.either(self.lapse_rate, min(shift.lapse_rate, decisions.ALMOST_ALL)),
         )
 
     def d_prime(self, sensation_db: float) -> float:
@@ -111,12 +111,12 @@ class SignalDetectionObserver(ObserverWithTraits):
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
         """Return noisy d' times the number factor, to three digits."""
         felt = max(self.d_prime(sensation_db) + float(rng.standard_normal()), 0.0)
-        return responses.in_words(self.number_factor * felt)
+        return decisions.in_words(self.number_factor * felt)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """Return `responses.liking` with noise."""
-        felt = responses.liking(sensation_db + self.sensitivity_db)
+        """Return `decisions.liking` with noise."""
+        felt = decisions.liking(sensation_db + self.sensitivity_db)
         return float(np.clip(felt + LIKING_NOISE * rng.standard_normal(), -1.0, 1.0))
 
     def answer_time_s(self, rng: np.random.Generator) -> float:
-        return responses.answer_time_s(self.latency_s, rng)
+        return decisions.answer_time_s(self.latency_s, rng)

@@ -15,7 +15,7 @@ from ..session.request import ABOUT, Adjust, Choose, Enter, Facts, Fill, Play, P
 from ..trials.trial import Reason
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog
-from .pages import entry, form, layout, touch_picture
+from .pages import entry, form, layout
 from .pages.page import Answer, Page
 from .pages.presenter import Dress, as_it_is
 from .touch.gated_samples import Trace
@@ -125,12 +125,10 @@ class Bench(DeviceRig):
 
     def _picture(self, request: Press | Slide, words: str) -> Page:
         place = self._setup.position is not None
-        parts = touch_picture.parts_of(
-            slides=isinstance(request, Slide), force=self._setup.sensor is not None, place=place
-        )
+        parts = layout.parts_of(slides=isinstance(request, Slide), force=self._setup.sensor is not None, place=place)
         meanings = {part: self._texts.message(f"meaning_{part}") for part in parts}
         hint = self._texts.message(HINT_CONTINUE)
-        return touch_picture.picture_page(self._texts.message(words), meanings, hint, self._screen.aspect)
+        return layout.picture_page(self._texts.message(words), meanings, hint, self._screen.aspect)
 
     def _leave(self, page: Page) -> None:
         self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from ..arguments.require import expect, lookup
-from ..devices.deadline import BEGIN_WITHIN_S
+from ..devices.clock_map import BEGIN_WITHIN_S
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import LONGEST_WORD_S, RAMP_S, with_ramps
 from ..errors import DeviceFailed, InvalidParameter

@@ -6,8 +6,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 from ..arguments.constraints import Positive, constrained
-from ..arguments.require import at_most, expect
-from ..arguments.unlimited import Unlimited
+from ..arguments.require import Unlimited, at_most, expect
 from ..errors import LimitExceeded
 from ..signal import Signal
 from .load import Load, filtered_peak_v

@@ -16,7 +16,7 @@ from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
 from tactometry.analysis.anova.split_plot import group_pairs, mixed_anova
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.outcomes.outcome import outcome
-from tactometry.analysis.report.sentences import outcome_sentences
+from tactometry.analysis.report.texts import outcome_sentences
 from tactometry.errors import InvalidParameter
 
 

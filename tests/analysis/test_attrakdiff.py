@@ -12,9 +12,11 @@ from hypothesis import given, settings, strategies as st
 from own_form import OWN_FORM
 from study_texts import TUTORIAL
 
-from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope
 from tactometry.analysis.attrakdiff.scoring import (
+    THESIS,
+    against_reference,
     consistency,
+    frequency_by_envelope,
     item_scores,
     portfolio,
     region,
@@ -24,7 +26,7 @@ from tactometry.analysis.attrakdiff.scoring import (
 )
 from tactometry.analysis.figures.attrakdiff import portfolio_figure
 from tactometry.analysis.outcomes.ratings import ratings
-from tactometry.analysis.reading.study_file import forms_of
+from tactometry.analysis.reading.origin import forms_of
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.questionnaire import load

@@ -10,8 +10,16 @@ import pytest
 from hard_cases import exact_case, hard_case
 from scipy.optimize import approx_fprime
 
-from tactometry.analysis.mixed_models.censored import LARGEST_STEP, _refuse_endless, censored_model, endless_direction
-from tactometry.analysis.mixed_models.censored_likelihood import Intervals, maximise, of_interval, of_value
+from tactometry.analysis.mixed_models.censored import (
+    LARGEST_STEP,
+    Intervals,
+    _refuse_endless,
+    censored_model,
+    endless_direction,
+    maximise,
+    of_interval,
+    of_value,
+)
 from tactometry.analysis.mixed_models.linear import ModelStatus, mixed_model, model_design
 from tactometry.errors import InvalidParameter
 

@@ -11,7 +11,7 @@ from scipy.special import expit, logit, ndtri
 from scipy.stats import binomtest, norm, t as student
 
 from tactometry.analysis.distributions import exact_interval
-from tactometry.analysis.figures.preference import share_figure
+from tactometry.analysis.figures.psychophysics import share_figure
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.tasks.preference import ORDER, bradley_terry, preference_table, share_table

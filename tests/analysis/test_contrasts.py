@@ -16,8 +16,15 @@ from scipy.stats import f as fisher, ncf, norm, t as student
 from soak import SOAK
 
 from tactometry.analysis.anova.censored import censored_anova
-from tactometry.analysis.anova.contrasts import ContrastEffect, contrasts, effects, epsilons, permutation_p
-from tactometry.analysis.anova.design import DesignStatus, WithinDesign
+from tactometry.analysis.anova.design import (
+    ContrastEffect,
+    DesignStatus,
+    WithinDesign,
+    contrasts,
+    effects,
+    epsilons,
+    permutation_p,
+)
 from tactometry.analysis.anova.group_means import DIFFERENCE, within_variances
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_subjects import (

@@ -10,8 +10,8 @@ import pytest
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.report.page import figures_of, render
-from tactometry.analysis.report.sentences import outcome_sentences
 from tactometry.analysis.report.summary import summary
+from tactometry.analysis.report.texts import outcome_sentences
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 from tactometry.errors import InvalidFile

@@ -13,7 +13,7 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import binom, f as fisher
 from soak import SOAK
 
-from tactometry.analysis.anova.contrasts import epsilons
+from tactometry.analysis.anova.design import epsilons
 from tactometry.analysis.hierarchical.fitting import GroupStatus, fit_hierarchical
 from tactometry.analysis.hierarchical.model import GroupModel, StudyCounts, rate_of
 from tactometry.analysis.hierarchical.posterior import Laplace, integrate, quantiles

@@ -10,8 +10,7 @@ from designs import drawn, long_table as any_table
 from hard_cases import hard_case
 from published_design import PUBLISHED, WITHIN, long_table
 
-from tactometry.analysis.anova.contrasts import effects
-from tactometry.analysis.anova.design import WithinDesign
+from tactometry.analysis.anova.design import WithinDesign, effects
 from tactometry.analysis.anova.split_plot import mixed_anova
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.mixed_models.linear import ModelStatus, mixed_model

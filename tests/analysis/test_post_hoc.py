@@ -15,7 +15,7 @@ from soak import SOAK
 from tactometry.analysis.anova.post_hoc import adjusted_p, bayes_factor, dz_interval, equivalence, evidence, pairs
 from tactometry.analysis.anova.within_subjects import checks, permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
-from tactometry.analysis.report.sentences import table_sentences
+from tactometry.analysis.report.texts import table_sentences
 from tactometry.analysis.wording import p_text, share_text
 from tactometry.errors import InvalidParameter
 

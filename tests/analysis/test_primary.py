@@ -20,8 +20,8 @@ from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.report.methods import group_methods
 from tactometry.analysis.report.page import figures_of
-from tactometry.analysis.report.sentences import outcome_sentences, primary_sentences
 from tactometry.analysis.report.summary import summary
+from tactometry.analysis.report.texts import outcome_sentences, primary_sentences
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 

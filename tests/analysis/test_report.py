@@ -21,8 +21,8 @@ from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
 from tactometry.analysis.report.page import BROWSERS, WEASYPRINT, print_pdf, write_report
-from tactometry.analysis.report.sentences import primary_sentences
 from tactometry.analysis.report.summary import summary
+from tactometry.analysis.report.texts import primary_sentences
 from tactometry.analysis.result import Analysis
 from tactometry.analysis.wording import cross_table
 from tactometry.cli.analyse import summary_text

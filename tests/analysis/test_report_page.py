@@ -14,18 +14,18 @@ from command_line import output
 from places import RECORDED
 from tables import contents
 
+from tactometry.analysis.figures.curves import courses_figure
 from tactometry.analysis.figures.psychophysics import threshold_figure
 from tactometry.analysis.figures.style import COLOURS, look, shift
-from tactometry.analysis.figures.touches import courses_figure
 from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import analyse, analyse_trials
 from tactometry.analysis.plan import AnalysisPlan, read_plan
 from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.analysis.reading.trials import read_trials
-from tactometry.analysis.report.captions import means_text
 from tactometry.analysis.report.page import figures_of, nonbreaking, render
 from tactometry.analysis.report.sections.outcomes import as_amplitudes
 from tactometry.analysis.report.study_text import STIMULI, procedure_text, study_text
+from tactometry.analysis.report.texts import means_text
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 from tactometry.config.toml import read_table

@@ -9,15 +9,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tactometry.analysis.hierarchical import single_fits
+from tactometry.analysis.hierarchical import tables
 from tactometry.analysis.outcomes import hierarchical_outcome as module
 from tactometry.analysis.outcomes.hierarchical_outcome import _text, group_fit
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
-from tactometry.analysis.report.sentences import hierarchical_sentences
 from tactometry.analysis.report.summary import summary
-from tactometry.analysis.tasks.cell import Cell
-from tactometry.analysis.tasks.cells import estimates
+from tactometry.analysis.report.texts import hierarchical_sentences
+from tactometry.analysis.tasks.cells import Cell, estimates
 
 CONDITIONS = {(0.5,): 20.0, (3.0,): 16.0}
 
@@ -96,9 +95,9 @@ def test_cells_that_were_fitted_are_not_fitted_again(monkeypatch, unit) -> None:
     ]
     anew = group_fit(every, factors, unit)
     known = {estimate.cell: estimate.fit for estimate in estimates(every, unit)}
-    sizes, fit_many = [], single_fits.fit_many
+    sizes, fit_many = [], tables.fit_many
     noted = lambda *counts, **options: sizes.append(len(counts[0])) or fit_many(*counts, **options)  # noqa: E731
-    monkeypatch.setattr(single_fits, "fit_many", noted)
+    monkeypatch.setattr(tables, "fit_many", noted)
     again = group_fit(every, factors, unit, known)
     assert sizes == [2]  # the answers of each condition together
     pd.testing.assert_frame_equal(again.conditions, anew.conditions, rtol=1e-6)

@@ -13,9 +13,17 @@ from soak import SOAK
 
 from tactometry.experiments.accuracy import PROBLEMS, problem_of
 from tactometry.experiments.accuracy.figures import error_against_price
-from tactometry.experiments.accuracy.measure import PEERS, cold_s, measure, peers_of, recorded_on
+from tactometry.experiments.accuracy.measure import (
+    PEERS,
+    Problem,
+    Reference,
+    Setting,
+    cold_s,
+    measure,
+    peers_of,
+    recorded_on,
+)
 from tactometry.experiments.accuracy.page import answers, digit, label, table
-from tactometry.experiments.accuracy.problem import Problem, Reference, Setting
 
 PAGE = DOCS / "explanation" / "cost.md"
 N_SETTINGS = {} if SOAK else {"group-threshold": 3}

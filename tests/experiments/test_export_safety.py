@@ -15,8 +15,7 @@ from hypothesis import given, strategies as st
 from patience import LONGEST_PROGRAM_S
 
 from tactometry.analysis.report.page import write_tables
-from tactometry.experiments.data_sets.export import export
-from tactometry.experiments.data_sets.r_table import name, r_string
+from tactometry.experiments.data_sets.export import export, name, r_string
 from tactometry.files.rows import FORMULA, cell_text, delimited_text, file_text, write_rows
 
 COLUMNS = "participant,session,study,block,trial,{},procedure,level,level_unit,task,response,valid"

@@ -14,11 +14,20 @@ from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.experiments.harness import share_interval
 from tactometry.experiments.power.design import Case, PowerDesign, participants_of
 from tactometry.experiments.power.effect import parse_effect
-from tactometry.experiments.power.replicate import Row, codes, mean_minutes, p_of, replicate, seed_of
-from tactometry.experiments.power.sampling import Batch, sample
+from tactometry.experiments.power.files import Batch, sample
+from tactometry.experiments.power.replicate import (
+    Row,
+    codes,
+    half_way_of_choice,
+    half_way_of_yes,
+    mean_minutes,
+    p_of,
+    replicate,
+    seed_of,
+    true_thresholds,
+)
 from tactometry.experiments.power.scenario import REFUSED, SUPPORTED, check_design, experiment_of, growth
 from tactometry.experiments.power.summary import Summary, cautions, recommendation
-from tactometry.experiments.power.truth import half_way_of_choice, half_way_of_yes, true_thresholds
 from tactometry.experiments.study.study_file import load
 from tactometry.trials.tasks import TASKS
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tactometry.experiments.thesis.predicted_threshold import felt, flights
-from tactometry.experiments.thesis.ranges import RANGES, draws
 from tactometry.experiments.thesis.reproduction import band_of
+from tactometry.experiments.thesis.spread import RANGES, draws
 from tactometry.stimuli.perception.channels import P, channel_thresholds_db
 
 

@@ -11,8 +11,7 @@ from command_line import output, refused
 from tactometry.experiments.reference import sources as page
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_scene import FeltScene
-from tactometry.experiments.study.influence import sources_of
-from tactometry.experiments.study.source_table import groups, parameters
+from tactometry.experiments.study.influence import groups, parameters, sources_of
 from tactometry.experiments.study.study_file import load, shipped
 from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup

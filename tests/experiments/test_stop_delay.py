@@ -12,7 +12,7 @@ from benches import file_bench, gain_table
 from command_line import call
 from study_texts import TUTORIAL, changed, wired
 
-from tactometry.arguments.unlimited import HIGHEST, UNLIMITED, Unlimited
+from tactometry.arguments.require import HIGHEST, UNLIMITED, Unlimited
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.outputs.guarded import Guarded

@@ -6,12 +6,12 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from tactometry.experiments.thesis.figures import electrovibration, focus as focus_figures, prototype
+from tactometry.experiments.thesis.figures import electrovibration, focus, focus as focus_figures
 from tactometry.experiments.thesis.figures.plates import DRAWN
 from tactometry.experiments.thesis.setups import FOCI, FOCUS, rig
 from tactometry.stimuli.electrovibration import Bump, Grating, Skin, Velvet, electrostatic_force_n
 from tactometry.stimuli.electrovibration.attraction.contact_area import Print
-from tactometry.stimuli.time_reversal.figures.style import save
+from tactometry.stimuli.time_reversal.figures.theory import save
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import LossRow
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
@@ -133,10 +133,10 @@ def test_sound_above_what_is_drawn_does_not_count_in_the_last_band():
 def test_measured_losses_are_drawn_next_to_their_model():
     kinds, places = ("finger", "soft"), ("F", "P1")
     rows = [LossRow(kind, 1e-2, place, n, 0.1 * n) for kind in kinds for place in places for n in (1.0, 2.0)]
-    modelled = prototype.loss_over_force(rows).axes
+    modelled = focus.loss_over_force(rows).axes
     assert [len(axes.lines) for axes in modelled] == [2, 2]
     assert list(modelled[0].lines[0].get_ydata()) == [10.0, 20.0]
-    (axes, *_) = prototype.loss_over_force(rows, [LossRow("finger", 1e-2, "F", 1.5, 0.2)]).axes
+    (axes, *_) = focus.loss_over_force(rows, [LossRow("finger", 1e-2, "F", 1.5, 0.2)]).axes
     drawn = [line for line in axes.lines if line.get_fillstyle() == "none"]
     assert [(float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in drawn] == [(1.5, pytest.approx(20.0))]
 

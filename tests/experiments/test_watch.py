@@ -13,15 +13,14 @@ from places import RECORDED
 from set_clock import Clock
 from tutorial_session import live
 
-from tactometry.analysis.tasks.kinds import CURVES
+from tactometry.analysis.tasks.task_analysis import CURVES
 from tactometry.analysis.wording import interval_text
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, curve_plot
 from tactometry.experiments.watch.page import sections
 from tactometry.experiments.watch.scenery import Scenery
-from tactometry.experiments.watch.sight import Drawn, Sight
-from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
+from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Drawn, Sight, Watcher
 from tactometry.records.journal import read
 from tactometry.records.open_journal import held
 from tactometry.session.answer import Marked

@@ -11,8 +11,8 @@ from hypothesis import given, strategies as st
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, band_of
 from tactometry.experiments.watch.plots import MOST_TICKS, levels_plot, ruler_over
-from tactometry.experiments.watch.sight import TouchDrawn
 from tactometry.experiments.watch.traces import MOST_BINS, draw_touch, samples_plot, thinned
+from tactometry.experiments.watch.watcher import TouchDrawn
 from tactometry.records.data_set import Session
 from tactometry.records.traces import TraceFiles
 from tactometry.session.answer import Touched

@@ -11,7 +11,7 @@ from annotated_types import Ge, Interval
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import (
+from tactometry.arguments.checked import (
     Matrix,
     NotNegative,
     NotNegativeArray,
@@ -21,10 +21,10 @@ from tactometry.arguments.annotations import (
     Unbounded,
     UnboundedArray,
     Vector,
+    checked,
 )
-from tactometry.arguments.checked import checked
 from tactometry.arguments.constraints import Finite, Rate, Share, constrained
-from tactometry.arguments.unlimited import UNLIMITED, Unlimited
+from tactometry.arguments.require import UNLIMITED, Unlimited
 from tactometry.errors import InvalidParameter
 
 SENTENCES: Mapping[str, tuple[Any, Any, str]] = {

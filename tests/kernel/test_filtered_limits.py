@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tactometry.arguments.unlimited import UNLIMITED
+from tactometry.arguments.require import UNLIMITED
 from tactometry.errors import LimitExceeded
 from tactometry.safety import reconstruction
 from tactometry.safety.limits import Limits

@@ -9,7 +9,7 @@ from hard_cases import exact_case
 from hypothesis import assume, given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tactometry.arguments.unlimited import UNLIMITED
+from tactometry.arguments.require import UNLIMITED
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.safety.limits import FORCE_PEAK_N, LONGEST_SIGNAL_S, LONGEST_WINDOW_S, STOP_WITHIN_S, Exposure, Limits
 from tactometry.safety.load import Load

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.patterns import THESIS
+from tactometry.analysis.attrakdiff.scoring import THESIS
 from tactometry.questionnaire import load
 
 FORM = load("attrakdiff")

@@ -3,7 +3,7 @@
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load, load_choices
-from tactometry.rigs.pages import entry, form, layout, touch_picture
+from tactometry.rigs.pages import entry, form, layout
 from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.request import MISSED_LABELS
 
@@ -28,9 +28,9 @@ def message_pages(texts, aspect):
 
 def picture_pages(texts, aspect):
     def page(words, **shown):
-        parts = touch_picture.parts_of(**shown)
+        parts = layout.parts_of(**shown)
         meanings = {part: texts.message(f"meaning_{part}") for part in parts}
-        return touch_picture.picture_page(texts.message(words), meanings, texts.message("hint_continue"), aspect)
+        return layout.picture_page(texts.message(words), meanings, texts.message("hint_continue"), aspect)
 
     return {
         "how_press_alone": page("how_press", slides=False, force=False, place=False),

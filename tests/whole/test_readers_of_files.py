@@ -42,7 +42,7 @@ NAMED = {
     "study/felt_scene.py": {"played": "the surface of what is played"},
     "study/task_table.py": {"task_kind.table": "TASKS"},
     "config/strict.py": dict.fromkeys(("resolve(target)", "kind", "table_class"), "the reader itself"),
-    "study/source_table.py": {"Parameter": "a table of this package, which no user writes"},
+    "study/influence.py": {"Parameter": "a table of this package, which no user writes"},
     "reference/tables.py": dict.fromkeys(("self.reader", "kinds"), "the tables themselves"),
 }
 """By the end of a file's name, what it calls a class that only a run knows, and where such classes are listed."""

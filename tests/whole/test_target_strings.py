@@ -12,7 +12,7 @@ from target_strings import targets
 
 LAG = "tactometry.stimuli.electrovibration.motion.friction_lag"
 UPWARDS = {
-    "tactometry/devices/deadline.py": "tactometry.devices.outputs.audio:AudioSettings",
+    "tactometry/devices/clock_map.py": "tactometry.devices.outputs.audio:AudioSettings",
     "stimuli/perception/detection.py": "tactometry.stimuli.scenes.effects.sensitivity:Sensitivity",
     "stimuli/electrovibration/skin/skin.py": f"{LAG}:FrictionLag",
 }

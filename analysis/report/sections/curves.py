@@ -7,11 +7,11 @@ from ...figures import psychophysics
 from ...figures.curves import curve_figure
 from ...result import Analysis
 from ...tasks.cells import MAX_LEVELS
-from ...tasks.kinds import CURVES
-from ...tasks.lapses import LAPSES
+from ...tasks.goodness import LAPSES
+from ...tasks.task_analysis import CURVES
 from ...wording import procedure_name
-from ..captions import caption
 from ..section import Details, Figure, ResultKind, Section, details, rows_of
+from ..texts import caption
 
 SHOWN = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_high", "width", "guess_rate",
          "lapse_rate", "n_trials", "n_catch", "status", "misfit")  # fmt: skip

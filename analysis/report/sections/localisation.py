@@ -12,8 +12,8 @@ from ...tasks.goodness import MISFIT
 from ...tasks.localisation import CONFUSIONS, DISTANCE, ERROR, ERRORS, OF_PARTICIPANTS, RESOLUTION, TASK, n_alternatives
 from ...tasks.signal_detection import forced_choice_sensitivity
 from ...wording import interval_text, percent_text
-from ..captions import caption
 from ..section import Content, Figure, Heading, Lead, ResultKind, Section, TextTable, details, grid, rows_of
+from ..texts import caption
 
 MM = {DISTANCE: "distance (mm)", ERROR: "from the correct place (mm)"}
 

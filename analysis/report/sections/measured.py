@@ -9,8 +9,8 @@ from ...figures.psychophysics import loss_figure, threshold_figure
 from ...outcomes.findings import FORCE as TARGET
 from ...result import Analysis
 from ...wording import cross_table
-from ..captions import caption, facts_of
 from ..section import Figure, Lead, ResultKind, Section, TextTable, grid, rows_of
+from ..texts import caption, facts_of
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:

@@ -10,12 +10,11 @@ from ...figures import psychophysics
 from ...outcomes.findings import Outcome
 from ...outcomes.hierarchical_outcome import HierarchicalOutcome
 from ...result import Analysis
-from ...tasks.kinds import CURVES
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
+from ...tasks.task_analysis import CURVES
 from ...wording import cross_table, dependent_name, dependent_title, in_words, interval_text, p_text, with_unit
-from ..captions import caption, facts_of, means_text
 from ..section import Blocks, Figure, Folded, Heading, Lead, ResultKind, Section, Sentences, TextTable, details, grid
-from ..sentences import hierarchical_sentences, outcome_sentences, primary_sentences
+from ..texts import caption, facts_of, hierarchical_sentences, means_text, outcome_sentences, primary_sentences
 
 EFFECT_COLUMNS = {
     "Source": "effect", "term": "effect", "SS": "SS", "ddof1": "df 1", "ddof2": "df 2", "df1": "df 1", "df2": "df 2",

@@ -5,13 +5,12 @@ from functools import partial
 
 import pandas as pd
 
-from ...attrakdiff.patterns import THESIS
+from ...attrakdiff.scoring import THESIS
 from ...figures import attrakdiff
 from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
-from ..captions import caption, facts_of, means_text
 from ..section import Draw, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable
-from ..sentences import form_sentences
+from ..texts import caption, facts_of, form_sentences, means_text
 
 MOST_LINES = 7
 """Largest number of conditions in a figure of word pairs (one colour each)."""

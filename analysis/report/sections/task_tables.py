@@ -5,12 +5,12 @@ from functools import partial
 
 import pandas as pd
 
-from ...figures.preference import share_figure
+from ...figures.psychophysics import share_figure
 from ...result import Analysis
 from ...tasks import preference
-from ...tasks.kinds import RESULTS
-from ..captions import caption
+from ...tasks.task_analysis import RESULTS
 from ..section import Content, Figure, Lead, ResultKind, Section, TextTable, details, grid, rows_of
+from ..texts import caption
 
 SHOWN = {task: results for task, results in RESULTS.items() if results.title or results.dependent}
 

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from functools import partial
 
-from ...figures.touches import courses_figure
+from ...figures.curves import courses_figure
 from ...result import Analysis
-from ..captions import caption
 from ..section import Content, Figure, Lead, ResultKind, Section
+from ..texts import caption
 
 QUANTITIES = {"force_n": "Applied force", "speed_m_per_s": "Finger speed"}
 

@@ -17,7 +17,7 @@ from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 
-from ..problem import Problem, Real, Reference, Setting, over_rms
+from ..measure import Problem, Real, Reference, Setting, over_rms
 
 ONE_BIT_TO_HZ, ONE_BIT_LASTS_S = 10e3, 4e-3
 FOCI_M = ((0.121, 0.093), (0.06, 0.15), (0.2, 0.05), (0.17, 0.13))

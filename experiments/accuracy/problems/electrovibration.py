@@ -8,11 +8,10 @@ import numpy as np
 
 from tactometry.stimuli.electrovibration import Finger, Sine, Skin, StickSlip, electrostatic_force_n, stick_slip
 from tactometry.stimuli.electrovibration.attraction.force import force_form, force_per_square_volt_n
-from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
-from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
+from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction, Travel
 from tactometry.stimuli.electrovibration.skin.skin import sine_voltage_v
 
-from ..problem import Problem, Real, Reference, Setting, over_largest
+from ..measure import Problem, Real, Reference, Setting, over_largest
 
 FREQUENCY_HZ, SINE_LASTS_S, COARSEST_HZ, AREA_M2 = 240.0, 0.1, 5_000, 1e-4
 FACTORS = (1, 4, 16, 64, 256)

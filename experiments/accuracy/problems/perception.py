@@ -10,7 +10,7 @@ from tactometry.stimuli.perception import sensation_level_db
 from tactometry.stimuli.perception.channels import channel_levels_db
 from tactometry.stimuli.perception.detection import Components, components
 
-from ..problem import Problem, Real, Reference, Setting, largest_relative
+from ..measure import Problem, Real, Reference, Setting, largest_relative
 
 TAPS_HZ, N_TAPS, HIGHEST_HZ = 2.5, 16, 800.0
 FALL_S, RISE_S = 4e-3, 5e-4

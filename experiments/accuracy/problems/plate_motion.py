@@ -19,7 +19,7 @@ from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce
 
-from ..problem import Problem, Real, Reference, Setting, over_largest
+from ..measure import Problem, Real, Reference, Setting, over_largest
 
 FACTORS = (1, 4, 16, 64)
 TONE_TO_HZ, TONE_RATE_HZ, TONE_LASTS_S, OMEGA_RAD_PER_S = 10e3, 40e3, 5e-3, 2 * np.pi * 4e3

@@ -13,7 +13,7 @@ from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_fr
 from tactometry.stimuli.time_reversal.plate.ritz import solve
 from tactometry.stimuli.time_reversal.pulp import N_PRESSURES, PulpLoad, Tissue, disc_stiffness
 
-from ..problem import Problem, Real, Reference, Setting
+from ..measure import Problem, Real, Reference, Setting
 
 F_MAX_HZ, SIDE_M = 5e3, 0.2
 DEGREES, FINEST_DEGREE = (13, 16, 19, 22), 38

@@ -13,7 +13,7 @@ from tactometry.protocols import QuestPlus
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import PsychometricFunction, shape_named
 
-from ..problem import Problem, Real, Reference, Setting, over_interval
+from ..measure import Problem, Real, Reference, Setting, over_interval
 
 LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40

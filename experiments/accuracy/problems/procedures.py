@@ -14,7 +14,7 @@ from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.procedures.procedure import Procedure, Rule
 from tactometry.psychometric import PsychometricFunction
 
-from ..problem import Problem, Real, Reference, Setting, error_of_decibels
+from ..measure import Problem, Real, Reference, Setting, error_of_decibels
 
 LOW_DB, MIDDLE_DB, HIGH_DB, SD_DB = 0.0, 20.0, 40.0, 3.0
 WIDTH_DB, GUESS_RATE, LAPSE_RATE = 10.1, 0.5, 0.02

@@ -21,7 +21,7 @@ from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.transducer import border
 
 from ...scenes import path_of
-from ..problem import Problem, Real, Reference, Setting, over_largest
+from ..measure import Problem, Real, Reference, Setting, over_largest
 
 ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3, 1e-4), 3e-4
 N_PANEL, PANEL_S = 8001, 0.2

@@ -11,7 +11,7 @@ from scipy.special import ndtr
 
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.stimuli.electrovibration.textures.texture import Grating, Shape
-from tactometry.stimuli.time_reversal.figures.style import colours, label, sheet
+from tactometry.stimuli.time_reversal.figures.theory import colours, label, sheet
 
 from ...study.cells import WiredCell
 from ..studies import (

@@ -18,7 +18,7 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     resolution_m,
 )
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
-from tactometry.stimuli.time_reversal.figures.style import colours, label, sheet
+from tactometry.stimuli.time_reversal.figures.theory import colours, label, sheet
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import Contactor, force_loss
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted
@@ -36,7 +36,7 @@ from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 from ..setups import FOCI, FOCUS, FOUR, P1, RIG_BAND, UNFILTERED, one_sided, rig, thick_plate
-from . import focus, prototype
+from . import focus
 
 REPETITION_S, T_MS, TAU_MS = 10e-3, 1e3 * RIG_BAND.reversal_s, 1e3 * TAU_S
 TIMES = f"T = {T_MS:g} ms, T_r = {1e3 * REPETITION_S:g} ms, τ = {TAU_MS:g} ms"
@@ -193,13 +193,13 @@ def one_sided_resolution(foci: Sequence[Point] = FOCI) -> Figure:
     """Draw the resolution of each focus of the one-sided layout (4.34)."""
     widths_m = resolution_per_focus_m(one_sided(), foci, UNFILTERED)
     expected = Design(A4_SCREEN, Transducers(), UNFILTERED.band, TAU_S, UNFILTERED.reversal_s)
-    return prototype.resolution_of_foci(widths_m, expected.resolution_m)
+    return focus.resolution_of_foci(widths_m, expected.resolution_m)
 
 
 def loss_over_force(forces_n: Sequence[float] = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)) -> Figure:
     """Plot the simulated loss of amplitude of the prototype (5.4)."""
     rows = force_loss(A4_PROTOTYPE, FOCUS, {"P1": P1, "F": FOCUS}, CONTACTORS, forces_n, RIG_BAND)
-    return prototype.loss_over_force(rows)
+    return focus.loss_over_force(rows)
 
 
 ASSUMES = (
@@ -224,11 +224,11 @@ DRAWN: Mapping[str, Callable[..., Figure]] = {
     "4.13": lambda: focus.noise_window(A4_PROTOTYPE, FOCUS, RIG_BAND),
     "4.15": lambda emissions=FOUR: focus.four_signals(A4_PROTOTYPE, FOCUS, emissions),
     "4.25": sound,
-    "4.28": lambda: prototype.layout(A4_PROTOTYPE, FOCI),
-    "4.29": lambda: prototype.amplitude_per_transducer(_contributions()),
-    "4.30": lambda: prototype.amplitude_over_count(amplitude_over_count_m(_contributions(), np.random.default_rng(0))),
-    "4.31": lambda: prototype.amplitude_by_subset(amplitude_by_subset_m(_contributions(), SUBSETS)),
-    "4.33": lambda: prototype.layout(one_sided(), FOCI),
+    "4.28": lambda: focus.layout(A4_PROTOTYPE, FOCI),
+    "4.29": lambda: focus.amplitude_per_transducer(_contributions()),
+    "4.30": lambda: focus.amplitude_over_count(amplitude_over_count_m(_contributions(), np.random.default_rng(0))),
+    "4.31": lambda: focus.amplitude_by_subset(amplitude_by_subset_m(_contributions(), SUBSETS)),
+    "4.33": lambda: focus.layout(one_sided(), FOCI),
     "4.34": one_sided_resolution,
     "5.4": loss_over_force,
     "5.8": focus.pattern_waveforms,

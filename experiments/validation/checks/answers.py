@@ -13,8 +13,7 @@ from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.hierarchical.fitting import fit_hierarchical
 from tactometry.analysis.hierarchical.result import HierarchicalFit
 from tactometry.analysis.outcomes.outcome import outcome
-from tactometry.analysis.tasks.cell import Cell
-from tactometry.analysis.tasks.cells import estimate_table, estimates
+from tactometry.analysis.tasks.cells import Cell, estimate_table, estimates
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import PsychometricFunction
 

@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope
-from tactometry.analysis.attrakdiff.scoring import scores, summary
+from tactometry.analysis.attrakdiff.scoring import THESIS, against_reference, frequency_by_envelope, scores, summary
 from tactometry.observers.raters import Rater, Raters
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load

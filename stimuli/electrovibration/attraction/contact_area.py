@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import NotNegativeArray, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegativeArray, Positive, checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray

@@ -7,8 +7,7 @@ from numpy import errstate, isfinite
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import NotNegative, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray

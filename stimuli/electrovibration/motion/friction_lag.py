@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import NotNegative
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, checked
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
-from tactometry.arguments.annotations import NotNegative, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, checked
 
 from .driven_motion import LinearSystem
 

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import NotNegative, Positive
-from tactometry.arguments.checked import checked
-from tactometry.arguments.magnitudes import DOMAINS
+from tactometry.arguments.checked import NotNegative, Positive, checked
+from tactometry.arguments.constraints import DOMAINS
 
 from ...arrays import ComplexArray, FloatArray
 from ...defaults import VACUUM_PERMITTIVITY_F_PER_M

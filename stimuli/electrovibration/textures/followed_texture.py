@@ -9,16 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import NotNegative, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, checked
 
 from ...arrays import FloatArray
 from ..waveforms.pieces import Pieces
 from ..waveforms.sine import Sine
 from ..waveforms.waveform import LevelUnit, Ramped, check_nyquist
 from .maps import HeightMap, Mapped
-from .texture import Bump, Grating, Noise, Region, Texture, Velvet
-from .way import Way, directions_along, without_jitter
+from .texture import Bump, Grating, Noise, Region, Texture, Velvet, Way, directions_along, without_jitter
 
 
 class Followed(NamedTuple):

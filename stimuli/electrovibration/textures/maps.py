@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 from tactometry.errors import InvalidParameter
 from tactometry.files.durable import read_file
 from tactometry.files.samples import table_of_numbers

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, IndexArray

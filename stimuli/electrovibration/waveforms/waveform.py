@@ -6,7 +6,7 @@ from typing import Literal, Protocol, get_args, runtime_checkable
 import numpy as np
 
 from tactometry.arguments import require
-from tactometry.arguments.magnitudes import DOMAINS
+from tactometry.arguments.constraints import DOMAINS
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray

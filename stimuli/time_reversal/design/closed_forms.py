@@ -13,8 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import NotNegative, Positive, PositiveArray, PositiveWhole, UnboundedArray
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, PositiveArray, PositiveWhole, UnboundedArray, checked
 from tactometry.arguments.require import at_most, between, not_negative_array, positive_array
 
 from ...arrays import FloatArray

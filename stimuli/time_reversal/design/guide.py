@@ -12,8 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import Positive, Vector
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, Vector, checked
 from tactometry.arguments.require import expect, positive
 
 from ...arrays import FloatArray

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal

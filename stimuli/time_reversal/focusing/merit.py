@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import Matrix, NotNegative, Positive, Vector
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Matrix, NotNegative, Positive, Vector, checked
 from tactometry.arguments.require import ascending, between, expect, not_negative, one_of, positive, whole
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal

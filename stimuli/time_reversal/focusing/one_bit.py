@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.annotations import Matrix
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Matrix, checked
 
 from ...arrays import FloatArray
 from ...composition.effect import Quantity

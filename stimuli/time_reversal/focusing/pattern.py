@@ -12,8 +12,7 @@ from typing import Final, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.annotations import NotNegative, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, checked
 from tactometry.arguments.require import at_most, one_of, within
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal

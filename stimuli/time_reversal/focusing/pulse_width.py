@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.annotations import Matrix, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Matrix, Positive, checked
 from tactometry.arguments.require import expect, within
 
 from ...arrays import FloatArray

@@ -8,8 +8,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.annotations import Matrix
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Matrix, checked
 
 from ...arrays import FloatArray
 

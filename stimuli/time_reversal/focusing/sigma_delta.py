@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from tactometry.arguments.annotations import Matrix, Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Matrix, Positive, checked
 from tactometry.arguments.require import expect
 from tactometry.errors import LimitExceeded
 

@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import NotNegativeArray, Positive, Vector
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegativeArray, Positive, Vector, checked
 from tactometry.arguments.require import ascending, not_negative_array, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal

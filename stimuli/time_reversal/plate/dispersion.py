@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import NotNegativeArray, Positive, PositiveArray
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegativeArray, Positive, PositiveArray, checked
 
 from ...arrays import FloatArray
 from .plate import Plate

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import Positive, Vector
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, Vector, checked
 from tactometry.arguments.require import expect, finite_array, shape
 
 from ...arrays import FloatArray, IntArray

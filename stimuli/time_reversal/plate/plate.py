@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 from tactometry.arguments.require import at_most, expect, positive, within
 from tactometry.errors import InvalidParameter
 

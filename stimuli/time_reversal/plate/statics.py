@@ -5,8 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 from tactometry.arguments.require import expect, whole, within
 
 from ...arrays import FloatArray

@@ -14,8 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import Positive, Vector
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, Vector, checked
 from tactometry.arguments.require import expect, within
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import read_file

@@ -12,8 +12,7 @@ from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.annotations import NotNegative, Positive, Unbounded, UnboundedComplex
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, Unbounded, UnboundedComplex, checked
 from tactometry.arguments.require import expect, shape, whole
 from tactometry.errors import InvalidParameter
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import NotNegative, NotNegativeArray, Positive, Unbounded
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, NotNegativeArray, Positive, Unbounded, checked
 from tactometry.arguments.require import expect
 
 from ...arrays import FloatArray

@@ -7,8 +7,7 @@ from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 from tactometry.arguments.require import expect, some, whole
 
 from ...arrays import FloatArray

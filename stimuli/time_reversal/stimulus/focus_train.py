@@ -8,8 +8,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 from tactometry.arguments.require import expect, one_of, positive, whole, within
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal

@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 from tactometry.arguments.require import distinct, expect, lookup, of_kind
 
 from ...defaults import FOCUS_AT_THRESHOLD_M

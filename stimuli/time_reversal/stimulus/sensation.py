@@ -8,8 +8,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from tactometry.arguments.annotations import NotNegative, Positive, Vector
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import NotNegative, Positive, Vector, checked
 from tactometry.arguments.require import expect, shape
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter

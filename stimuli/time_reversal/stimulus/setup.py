@@ -4,15 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from tactometry.arguments.annotations import Positive
-from tactometry.arguments.checked import checked
+from tactometry.arguments.checked import Positive, checked
 
 from ..plate.glass import GLASSES
 from ..plate.plate import Plate
 from ..responses.responses import Point, Responses, impulse_responses, samples_in
 from ..screen.attenuation import TAU_S, Attenuation
-from ..screen.glass_panel import LEARNT_S, GlassPanel
-from ..screen.screen import Screen
+from ..screen.screen import LEARNT_S, GlassPanel, Screen
 from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 
 

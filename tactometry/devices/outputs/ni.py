@@ -20,7 +20,7 @@ from ...arguments.require import expect
 from ...errors import DeviceFailed, library_needed
 from ...safety.limits import STOP_WITHIN_S
 from ...signal import FloatArray, Signal
-from ..deadline import CLOSE_WITHIN_S, within
+from ..clock_map import CLOSE_WITHIN_S, within
 from .gain import Gain, SignalChain, required_gain
 from .output import AmplifiedDriver
 

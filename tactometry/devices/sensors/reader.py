@@ -16,7 +16,7 @@ import numpy as np
 from ...arguments.require import expect
 from ...errors import DeviceFailed
 from ...signal import FloatArray
-from ..deadline import CLOSE_WITHIN_S, within
+from ..clock_map import CLOSE_WITHIN_S, within
 
 RETRY_S = 0.2
 """Interval of attempts to reopen a lost device."""

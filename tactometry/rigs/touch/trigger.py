@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ...devices.deadline import BEGIN_WITHIN_S
+from ...devices.clock_map import BEGIN_WITHIN_S
 from ...devices.sensors.streamed import OnSamples, StreamedSensor
 from ...signal import FloatArray
 

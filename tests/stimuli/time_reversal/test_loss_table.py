@@ -8,9 +8,9 @@ from scipy.stats import t as student
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.summary import summary
 from tactometry.errors import InvalidFile
-from tactometry.experiments.data_sets.force_loss import measured_losses
+from tactometry.experiments.data_sets.touch_courses import measured_losses
 from tactometry.experiments.study.study_file import builtin
-from tactometry.experiments.thesis.figures.prototype import loss_over_force
+from tactometry.experiments.thesis.figures.focus import loss_over_force
 
 LOSS = {("finger", "F", 2.0): 0.30, ("finger", "P1", 2.0): 0.06, ("soft 5 mm", "F", 2.0): 0.1}
 NOISE = {"P01": 0.01, "P02": -0.01, "P03": 0.03}

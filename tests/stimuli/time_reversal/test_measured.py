@@ -22,8 +22,15 @@ from tactometry.stimuli.time_reversal.responses.learning import (
     sweep,
     write_learnt,
 )
-from tactometry.stimuli.time_reversal.responses.measured import aligned, inspect, read, reciprocity_error, trimmed
-from tactometry.stimuli.time_reversal.responses.plate_constants import schroeder_db, tau_s
+from tactometry.stimuli.time_reversal.responses.measured import (
+    aligned,
+    inspect,
+    read,
+    reciprocity_error,
+    schroeder_db,
+    tau_s,
+    trimmed,
+)
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen

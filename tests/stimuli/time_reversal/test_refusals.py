@@ -37,8 +37,7 @@ from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, de
 from tactometry.stimuli.time_reversal.pulp import PulpLoad, Tissue, disc_stiffness
 from tactometry.stimuli.time_reversal.responses.learning import deconvolve, learn, sequence, sweep
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
-from tactometry.stimuli.time_reversal.responses.measured import aligned, read, trimmed
-from tactometry.stimuli.time_reversal.responses.plate_constants import tau_s
+from tactometry.stimuli.time_reversal.responses.measured import aligned, read, tau_s, trimmed
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses, samples_in
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
