@@ -26,11 +26,13 @@ from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells as counting
 from .tasks.applied_force import force_of_participants, force_table, has_force
-from .tasks.cells import Cell, Estimate
-from .tasks.goodness import LAPSES, SEED, goodness_columns, goodness_table, lapse_table
+from .tasks.cell import Cell, Estimate
+from .tasks.goodness import SEED, goodness_columns, goodness_table
+from .tasks.kinds import ANALYSES, CURVES, RESULTS
+from .tasks.lapses import LAPSES, lapse_table
 from .tasks.rule_estimate import Replay, rule_columns, tracks
 from .tasks.standard import FLOORS, TESTS, lowest_levels, standard_tests
-from .tasks.task_analysis import ANALYSES, CURVES, RESULTS, Results
+from .tasks.task_analysis import Results
 
 Tables = dict[str, pd.DataFrame]
 UNSCORED = "; forced choices need a column 'correct' or 'target'"
@@ -171,17 +173,17 @@ def count_cells(selected: SelectedTrials) -> Cells:
     all_used = used_rows(selected.everything)
     all_judged = counting.judgements(all_used)
     used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
-    found = counting.cells(counting.counted_answers(judged), trials.factors)
+    result = counting.cells(counting.counted_answers(judged), trials.factors)
     rows_of = dict(iter(used.groupby("task")))
     tables: Tables = {}
     for task in (task for task in RESULTS if task in rows_of):
         tables |= {name: table_of(rows_of[task], trials.factors) for name, table_of in RESULTS[task].tables.items()}
     direct = {name: table for name, table in tables.items() if len(table)}
     forms = ratings(trials, selected.plan.primary)
-    if not (found or forms or direct):
+    if not (result or forms or direct):
         why = UNSCORED if all_used["task"].isin(counting.CHOICES).any() else ""
         raise InvalidFile(f"{trials.path}: found {NOTHING}{why}")
-    return Cells(selected, used, judged, all_judged, found, direct, forms)
+    return Cells(selected, used, judged, all_judged, result, direct, forms)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,8 @@ from .outcomes.ratings import Ratings
 from .plan import AnalysisPlan
 from .reading.origin import Origin, StudyText
 from .reading.trials import Trials
-from .tasks.cells import CHOICES, Estimate
+from .tasks.cell import Estimate
+from .tasks.cells import CHOICES
 
 SHOWN_ROWS: Final = 20
 LAST_SHOWN: Final = ("quality", "excluded", "sittings", "happenings")

@@ -75,11 +75,11 @@ def megabytes(call: Callable[[], object]) -> float:
 def largest_error(k: np.ndarray) -> float:
     """Return the largest relative error of interval lengths in a batch, compared with fits of single sets."""
     errors = [0.0]
-    for row, found in zip(k, fit_many(LEVELS, k, N_TRIALS, **FORCED), strict=True):
+    for row, result in zip(k, fit_many(LEVELS, k, N_TRIALS, **FORCED), strict=True):
         alone = fit(LEVELS, row, N_TRIALS, **FORCED)
-        if found.status == alone.status == "ok":
+        if result.status == alone.status == "ok":
             length = alone.interval_high - alone.interval_low
-            errors.append(abs((found.interval_high - found.interval_low) / length - 1))
+            errors.append(abs((result.interval_high - result.interval_low) / length - 1))
     return max(errors)
 
 

@@ -38,16 +38,16 @@ def detected(values: np.ndarray, design: str) -> dict[str, float]:
     fs = np.array([N * np.sum(each.mean(axis=0) ** 2) for each in scores]) * df2 / df1
     fs /= [effect.ss_error for effect in effects]
     tests = zip(("uncorrected", "Greenhouse-Geisser", "Huynh-Feldt", "Chi-Muller"), shapes.T, strict=True)
-    found = {name: np.mean(fdtrc(epsilon * df1, epsilon * df2, fs) < 0.05) for name, epsilon in tests}
-    return found | {"permutation": np.mean([permutation_p(effect) < 0.05 for effect in effects[:2000]])}
+    result = {name: np.mean(fdtrc(epsilon * df1, epsilon * df2, fs) < 0.05) for name, epsilon in tests}
+    return result | {"permutation": np.mean([permutation_p(effect) < 0.05 for effect in effects[:2000]])}
 
 
 def of_variance(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:
     for design, errors in product(DESIGNS, ERRORS):
         values = studies(errors, N, n, rng, int(np.prod(DESIGNS[design][0])))
         for kind, effect in (("false alarms", 0.0), ("power", EFFECT)):
-            found = detected(with_effect(values, effect), design)
-            yield {"design": design, "errors": errors, "share": kind} | found
+            result = detected(with_effect(values, effect), design)
+            yield {"design": design, "errors": errors, "share": kind} | result
 
 
 def of_bounds(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:
@@ -59,15 +59,15 @@ def of_bounds(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:
     keys = pd.MultiIndex.from_product([range(N), range(4)], names=["who", "x"]).to_frame(index=False)
     for errors, share in product(ERRORS, CUTS):
         values = studies(errors, N, n, rng)
-        at, found = float(np.quantile(values[..., 1:], share)), []
+        at, result = float(np.quantile(values[..., 1:], share)), []
         for each in values.reshape(n, -1):
             table = keys.assign(y=np.where(each < at, np.nan, each), low=np.nan, high=at)
             with suppress(UndefinedStatistic):
-                found.append(censored_anova(table, **GIVEN))
-        means = [each.means() for each in found]
+                result.append(censored_anova(table, **GIVEN))
+        means = [each.means() for each in result]
         covered = np.mean([(each["mean_low"] < 0) & (each["mean_high"] > 0) for each in means], axis=0)
-        alarms = np.mean([each.table["p_CM_corr"][0] < 0.05 for each in found])
-        row = {"errors": errors, "bounds": share, "answered": len(found) / n, "false alarms": alarms}
+        alarms = np.mean([each.table["p_CM_corr"][0] < 0.05 for each in result])
+        row = {"errors": errors, "bounds": share, "answered": len(result) / n, "false alarms": alarms}
         yield row | {"noisy mean": covered[0], "mean": covered[1:].mean()}
 
 
@@ -81,10 +81,10 @@ def of_intervals(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]
             mean, se = d.mean(axis=1), d.std(axis=1, ddof=1) / np.sqrt(N)
             ends = {"difference_low": mean - t * se, "difference_high": mean + t * se}
             alone = pd.DataFrame({"df": N - 1, **ends, "p_unc": 2 * student.sf(np.abs(mean / se), N - 1)})
-            found = all_together(alone, "holm", 0.95)
-            covers = (found["simultaneous_low"] < 0) & (found["simultaneous_high"] > 0)
-            own = (found["difference_low"] < 0) & (found["difference_high"] > 0)
-            rows.append((covers.all(), own.all(), (~covers & (found["p_corr"] >= 0.05)).any()))
+            result = all_together(alone, "holm", 0.95)
+            covers = (result["simultaneous_low"] < 0) & (result["simultaneous_high"] > 0)
+            own = (result["difference_low"] < 0) & (result["difference_high"] > 0)
+            rows.append((covers.all(), own.all(), (~covers & (result["p_corr"] >= 0.05)).any()))
         together, each_alone, against_holm = np.mean(rows, axis=0)
         halves = t * np.sqrt([within_variances(np.cov(each.T)) / N for each in values])
         gaps = [np.abs(values[:, :, a].mean(axis=1) - values[:, :, b].mean(axis=1)) for a, b in places]

@@ -80,16 +80,18 @@ def of_statuses(n_sets: int, seed: int) -> str:
 def of_estimates(n_sets: int, seed: int) -> str:
     """Return a row for each design and lapse rate. Cells have values for a normal and a Gumbel truth."""
     outcomes = pd.concat(estimates.outcomes_of(n_sets, np.random.default_rng(seed)))
-    found = estimates.summary(outcomes)
+    result = estimates.summary(outcomes)
     forms = {"bias": digits("+.2f"), "covered": PERCENT, "length_db": digits(".1f"), "flat": PERCENT}
     rows = []
-    for (design, lapse_rate), each in found.groupby(["design", "lapse_rate"], sort=False):
+    for (design, lapse_rate), each in result.groupby(["design", "lapse_rate"], sort=False):
         cells = [", ".join(map(form, each.loc[each["fit"] == fit, name])) for name, form in forms.items()
                  for fit in estimates.FITS]  # fmt: skip
         rows.append([str(design), RATE(lapse_rate), *cells])
     names = ("bias before / SD", "covered before / %", "length before / dB", "`flat` before / %")
     heads = ("design", "lapses / %", *(head for name in names for head in (name, "now")))
-    means = found.assign(squared=found["bias"] ** 2).groupby("fit")[["squared", "covered", "length_db", "flat"]].mean()
+    means = (
+        result.assign(squared=result["bias"] ** 2).groupby("fit")[["squared", "covered", "length_db", "flat"]].mean()
+    )
     return f"{table(heads, rows)}\n\n{means}"
 
 
@@ -97,9 +99,9 @@ def of_comparisons(n_sets: int, seed: int, **options: Any) -> str:
     """Return the coverage of JND and PSE for each simulated participant."""
     rng = np.random.default_rng(seed)
     fit = options or comparisons.FIT
-    found = comparisons.summary(pd.concat(comparisons.outcomes_of(comparisons.PEOPLE, n_sets, rng, fit)))
-    pse = found[found["quantity"] == "equality"]["covered"].to_numpy()
-    differences = found[found["quantity"] == "difference"].assign(pse=pse)
+    result = comparisons.summary(pd.concat(comparisons.outcomes_of(comparisons.PEOPLE, n_sets, rng, fit)))
+    pse = result[result["quantity"] == "equality"]["covered"].to_numpy()
+    differences = result[result["quantity"] == "difference"].assign(pse=pse)
     columns = {
         "sd": ("SD", digits("g")),
         "n_trials": ("trials per level", str),
@@ -137,22 +139,22 @@ def of_groups(n_studies: int, seed: int, csv: Path) -> str:
     done = int(pd.read_csv(csv)["study"].max()) + 1 if csv.exists() else 0
     for each in groups.outcomes_of(range(done, n_studies), seed):
         each.to_csv(csv, mode="a", header=not csv.exists(), index=False)
-    found = groups.summary(pd.read_csv(csv))
+    result = groups.summary(pd.read_csv(csv))
     for kind in ("participants", "means", "contrast"):
-        found[kind] = [
-            f"{PERCENT(share)} ± {PERCENT(error)}" for share, error in found[[kind, f"se_{kind}"]].to_numpy()
+        result[kind] = [
+            f"{PERCENT(share)} ± {PERCENT(error)}" for share, error in result[[kind, f"se_{kind}"]].to_numpy()
         ]
     heads = {"participants": "participants", "means": "group means", "contrast": "contrast"}
     columns: dict[str, tuple[str, Format]] = {name: (name, str) for name in ("procedure", "lapses", "studies")}
     columns |= {name: (head, str) for name, head in heads.items()}
     columns |= {"error_db": ("mean error, dB", digits("+.2f")), "worst_db": ("worst mean, dB", digits("+.1f"))}
-    return markdown(found, columns)
+    return markdown(result, columns)
 
 
 def of_lapses(n_studies: int, seed: int) -> str:
     """Return false effects due to lapses, by share of easy trials."""
-    found = pd.DataFrame(lapses.outcomes_of(n_studies, np.random.default_rng(seed)))
-    found["lapses"] = [f"{RATE(first)} and {RATE(second)}" for first, second in found[["first", "second"]].to_numpy()]
+    result = pd.DataFrame(lapses.outcomes_of(n_studies, np.random.default_rng(seed)))
+    result["lapses"] = [f"{RATE(first)} and {RATE(second)}" for first, second in result[["first", "second"]].to_numpy()]
     columns = {
         "rule": ("rule", str),
         "lapses": ("lapses / %", str),
@@ -161,7 +163,7 @@ def of_lapses(n_studies: int, seed: int) -> str:
         "false_effects": ("false effects / %", PERCENT),
         "detected": ("lapses detected / %", PERCENT),
     }
-    return markdown(found, columns)
+    return markdown(result, columns)
 
 
 STUDIES: dict[str, Callable[..., str]] = {
@@ -182,9 +184,9 @@ def main() -> None:
     parser.add_argument("--n", type=int, default=2, help="participants, data sets or studies")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--csv", type=Path, default=Path("groups.csv"), help="outcomes of groups")
-    said = parser.parse_args()
-    options = {"csv": said.csv} if said.study == "groups" else {}
-    print(STUDIES[said.study](said.n, said.seed, **options))
+    stated = parser.parse_args()
+    options = {"csv": stated.csv} if stated.study == "groups" else {}
+    print(STUDIES[stated.study](stated.n, stated.seed, **options))
 
 
 if __name__ == "__main__":

@@ -58,7 +58,7 @@ def rhs(t: float, y: Real, p: Real) -> Real:
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def rk4(y: Real, start: float, stop: float, n_steps: int, p: Real, at: Real) -> tuple[Real, Real]:
     """Take equal steps, and return deflections at `at` (cubic interpolation) and the last state."""
-    h, found, here = (stop - start) / n_steps, np.empty(len(at)), 0
+    h, result, here = (stop - start) / n_steps, np.empty(len(at)), 0
     for i in range(n_steps):
         t = start + i * h
         a = rhs(t, y, p)
@@ -70,10 +70,10 @@ def rk4(y: Real, start: float, stop: float, n_steps: int, p: Real, at: Real) -> 
             u = (at[here] - t) / h
             jump = after[1] - y[1]
             curve = u * (1 - u) * ((1 - u) * (h * y[2] - jump) - u * (h * after[2] - jump))
-            found[here] = y[1] + u * jump + curve
+            result[here] = y[1] + u * jump + curve
             here += 1
         y = after
-    return found, y
+    return result, y
 
 
 def parameters(pieces: Pieces, form: ForceForm, piece: int) -> Real:
@@ -90,12 +90,12 @@ def over_pieces(leg: Callable[[Real, float, float, Real, Real], tuple[Real, Real
     """Return a solver for the deflections at `T_S`, which restarts at each piece."""
 
     def solve(pieces: Pieces, form: ForceForm) -> Real:
-        y, found = np.zeros(3), []
+        y, result = np.zeros(3), []
         for i, (start, stop) in enumerate(pairwise([*pieces.starts_s, pieces.end_s])):
             at = T_S[(start < T_S) & (stop >= T_S)]
             part, y = leg(y, start, stop, parameters(pieces, form, i), at)
-            found.append(part)
-        return np.concatenate(found)
+            result.append(part)
+        return np.concatenate(result)
 
     return solve
 
@@ -124,7 +124,7 @@ def reference(pieces: Pieces, form: ForceForm) -> Real:
     solved, tau_s = Solution(pieces, form.relaxations), 1 / form.relaxations.rates_per_s[0]
     m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
     starts = np.array([x for s in pieces.starts_s for x in (s, s + 3 * tau_s, s + 40 * tau_s) if x < pieces.end_s])
-    y, found = np.zeros(2), []
+    y, result = np.zeros(2), []
     for start, stop in pairwise(np.unique(np.r_[starts, pieces.end_s])):
         inner = np.nextafter(stop, 0)
 
@@ -141,8 +141,8 @@ def reference(pieces: Pieces, form: ForceForm) -> Real:
         }
         r = solve_ivp(slope, (start, stop), y, method="DOP853", **options)
         y = r.y[:, -1]
-        found.append(r.y[0, : len(at)])
-    return np.concatenate(found)
+        result.append(r.y[0, : len(at)])
+    return np.concatenate(result)
 
 
 def loosest_s(solvers: Iterable[Solver], pieces: Pieces, form: ForceForm, truth: Real, goal: float) -> float:

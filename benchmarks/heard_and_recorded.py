@@ -41,8 +41,8 @@ class Monitor:
 
         self._blocks: list[np.ndarray] = []
         self._times_s: list[float] = []
-        asked = {"channels": 2, "samplerate": RATE_HZ, "dtype": "int16", "blocksize": 240, "latency": 0.02}
-        self._stream = sounddevice.InputStream(device="monitor", callback=self._hear, **asked)
+        requested = {"channels": 2, "samplerate": RATE_HZ, "dtype": "int16", "blocksize": 240, "latency": 0.02}
+        self._stream = sounddevice.InputStream(device="monitor", callback=self._hear, **requested)
         self._stream.start()
 
     def _hear(self, frames: np.ndarray, n_frames: int, times: Any, status: Any) -> None:
@@ -104,8 +104,8 @@ def main() -> None:
         sink = Sink(Path(folder), alsa_in(Path(folder)))
         os.environ.update(sink.env)
         try:
-            asked = {"rate_hz": RATE_HZ, "n_channels": 1, "device": "pulse", "latency_s": 0.1}
-            output = settings(asked).driver(GAIN)
+            requested = {"rate_hz": RATE_HZ, "n_channels": 1, "device": "pulse", "latency_s": 0.1}
+            output = settings(requested).driver(GAIN)
             rig, monitor = console(output), Monitor()
             time.sleep(1.0)
             sink.begin()

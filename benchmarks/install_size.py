@@ -84,9 +84,9 @@ class Environment:
             return sum(file.stat().st_size for file in Path(folder).iterdir() if OURS not in file.name) / 1e6
 
     def packages(self) -> Packages:
-        said = subprocess.run([self.python, "-c", INSTALLED], check=True, capture_output=True, text=True).stdout
-        found = json.loads(said).items()
-        sizes = {canonicalize_name(name): (size / 1e6, needs(wanted)) for name, (size, wanted) in found}
+        stated = subprocess.run([self.python, "-c", INSTALLED], check=True, capture_output=True, text=True).stdout
+        result = json.loads(stated).items()
+        sizes = {canonicalize_name(name): (size / 1e6, needs(required)) for name, (size, required) in result}
         return {name: of for name, of in sizes.items() if name not in {"pip", "setuptools", OURS}}
 
     def total_mb(self) -> float:
@@ -95,13 +95,13 @@ class Environment:
 
 def needs(requirements: list[str]) -> set[str]:
     """Return the names of requirements that apply to this environment, without extras."""
-    wanted = map(Requirement, requirements)
-    return {canonicalize_name(one.name) for one in wanted if not one.marker or one.marker.evaluate({"extra": ""})}
+    required = map(Requirement, requirements)
+    return {canonicalize_name(one.name) for one in required if not one.marker or one.marker.evaluate({"extra": ""})}
 
 
 def brought(packages: Packages, direct: list[str]) -> dict[str, list[str]]:
     """Return the packages that each direct requirement adds to those before it."""
-    left, found = packages.keys() - set(direct), {}
+    left, result = packages.keys() - set(direct), {}
     for name in direct:
         waiting, mine = list(packages[name][1]), set()
         while waiting:
@@ -109,8 +109,8 @@ def brought(packages: Packages, direct: list[str]) -> dict[str, list[str]]:
             if one in left - mine:
                 mine.add(one)
                 waiting += packages[one][1]
-        found[name], left = sorted(mine), left - mine
-    return found
+        result[name], left = sorted(mine), left - mine
+    return result
 
 
 def core_table(packages: Packages) -> str:

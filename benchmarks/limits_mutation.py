@@ -93,14 +93,14 @@ def fields(node: ast.AST) -> Iterator[tuple[Any, Any, ast.AST]]:
 
 def mutants(source: str) -> list[tuple[str, str]]:
     """Return a description of each change, and the changed source."""
-    tree, lines, found = ast.parse(source), source.splitlines(), []
+    tree, lines, result = ast.parse(source), source.splitlines(), []
     for container, place, node in fields(tree):
         for form in changed(node):
             container[place] = form
             change = f"{lines[getattr(node, 'lineno', 0) - 1].strip()}: {ast.unparse(node)} -> {ast.unparse(form)}"
-            found.append((change, ast.unparse(tree)))
+            result.append((change, ast.unparse(tree)))
             container[place] = node
-    return found
+    return result
 
 
 def is_killed(tree: Path, module: str, source: str) -> bool:

@@ -26,9 +26,9 @@ def _psignifit(steps: dict[str, int]) -> NDArray[np.float64]:
     data = np.column_stack([posteriors.LEVELS, posteriors.N_CORRECT, n])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = psignifit(data, sigmoid="norm", experiment_type="2AFC", grid_steps=steps, fixed_parameters=BINOMIAL)
-    low, high = found.confidence_intervals["threshold"]["0.95"]
-    return np.array([found.parameter_estimate_mean["threshold"], low, high])
+        result = psignifit(data, sigmoid="norm", experiment_type="2AFC", grid_steps=steps, fixed_parameters=BINOMIAL)
+    low, high = result.confidence_intervals["threshold"]["0.95"]
+    return np.array([result.parameter_estimate_mean["threshold"], low, high])
 
 
 def quest_plus() -> list[Setting]:

@@ -38,8 +38,8 @@ def modes() -> list[Setting]:
 def _stepped(step: Any, modes: Oscillators, factor: int) -> Real:
     n, step_s = len(plate_motion.times_s(1)), 1 / (plate_motion.TONE_RATE_HZ * factor)
     with np.errstate(all="ignore"):
-        found = step(modes.omega_rad_per_s, modes.decay_per_s, plate_motion.OMEGA_RAD_PER_S, step_s, factor, n)
-    return np.asarray(found)
+        result = step(modes.omega_rad_per_s, modes.decay_per_s, plate_motion.OMEGA_RAD_PER_S, step_s, factor, n)
+    return np.asarray(result)
 
 
 @njit(cache=True)
@@ -79,8 +79,8 @@ def _adaptive(modes: Oscillators, tolerance: float) -> Real:
         return np.concatenate([y[n:], np.sin(tone * t) - loss * y[n:] - w2 * y[:n]])
 
     scale = tolerance / np.concatenate([w2, np.sqrt(w2)])
-    found = solve_ivp(slope, (0, at_s[-1]), np.zeros(2 * n), "DOP853", at_s, rtol=tolerance, atol=scale)
-    return np.asarray(found.y[:n])
+    result = solve_ivp(slope, (0, at_s[-1]), np.zeros(2 * n), "DOP853", at_s, rtol=tolerance, atol=scale)
+    return np.asarray(result.y[:n])
 
 
 def skin() -> list[Setting]:
@@ -98,8 +98,8 @@ def _skin(method: str, tolerance: float) -> Real:
     def slope(t: float, y: Real) -> Real:
         return np.asarray(p.k * 100 * omega * np.cos(omega * t) - y / p.tau_s)
 
-    found = solve_ivp(slope, (0, at_s[-1]), [0.0], method, at_s, rtol=tolerance, atol=100 * tolerance)
-    return np.asarray(force_per_square_volt_n(p, electrovibration.AREA_M2) * found.y[0] ** 2)
+    result = solve_ivp(slope, (0, at_s[-1]), [0.0], method, at_s, rtol=tolerance, atol=100 * tolerance)
+    return np.asarray(force_per_square_volt_n(p, electrovibration.AREA_M2) * result.y[0] ** 2)
 
 
 def break_away() -> list[Setting]:
@@ -123,6 +123,6 @@ def _smooth(tolerance: float) -> tuple[float, float]:
         return float(np.tanh((speed - y[1]) / width) - 0.99)
 
     away.terminal = True  # type: ignore[attr-defined]
-    found = solve_ivp(slope, (0, 0.2), [0.0, speed], "LSODA", events=away, rtol=tolerance, atol=1e-9)
-    time_s = float(found.t_events[0][0]) if found.t_events[0].size else np.nan
+    result = solve_ivp(slope, (0, 0.2), [0.0, speed], "LSODA", events=away, rtol=tolerance, atol=1e-9)
+    time_s = float(result.t_events[0][0]) if result.t_events[0].size else np.nan
     return time_s, time_s

@@ -102,12 +102,12 @@ def _bare_hz(basis: Callable[[int], Polynomial], degree: int) -> Real:
     free = _family(plate.width_m, Polynomial([1]), [basis(k) for k in range(degree + 1)], 0)
     stiffness, mass = pencil(plate.rectangle, held, free, *ellipse(held, free, degree, degree))
     try:
-        found = eigh(stiffness, mass, eigvals_only=True)
+        result = eigh(stiffness, mass, eigvals_only=True)
     except LinAlgError:
         return np.full(4, np.nan)
     unit_hz = 4 * plate.wave_constant_m2_per_s / plate.length_m**2 / (2 * math.pi)
     with np.errstate(invalid="ignore"):
-        found_hz = unit_hz * np.sqrt(found)
+        found_hz = unit_hz * np.sqrt(result)
     return found_hz[~(found_hz > plates.MIXED_TO_HZ)]
 
 

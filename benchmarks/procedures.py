@@ -98,13 +98,13 @@ def estimates_db(
 ) -> np.ndarray:
     """Return the posterior means (n_observers, n_steps), each after `EVERY` further trials."""
     made = tracks(rule, task.criteria(truths_db, rng, n_max))
-    logs, found = np.tile(rule.prior_state.log_weights, (len(truths_db), 1)), []
-    for n, (at, said) in enumerate(zip(made.levels.T, made.answers.T, strict=True), start=1):
-        logs += rule.log_likelihoods(at, said)
+    logs, result = np.tile(rule.prior_state.log_weights, (len(truths_db), 1)), []
+    for n, (at, stated) in enumerate(zip(made.levels.T, made.answers.T, strict=True), start=1):
+        logs += rule.log_likelihoods(at, stated)
         if n % EVERY == 0:
             weights = normalised(logs)[1].reshape(len(truths_db), len(rule.thresholds), -1).sum(axis=2)
-            found.append(weights @ rule.thresholds)
-    return np.stack(found, axis=1)
+            result.append(weights @ rule.thresholds)
+    return np.stack(result, axis=1)
 
 
 def trials_to(goal_db: float, rmse: np.ndarray) -> int | None:

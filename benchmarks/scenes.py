@@ -80,7 +80,7 @@ def compare(title: str, plans: Sequence[Plan], at_most: float | None = None) -> 
 def unasked() -> None:
     """Time scenes of one second, with and without effects that voltage_v does not need."""
     chosen = effects({"force_law": {"law": "sc_layer"}, "friction": {}})
-    bare, found = Scene(Electrovibration(240.0), chosen, ("voltage_v",), 1e-2, (FingerContact(1.0, 0.05),)), []
+    bare, result = Scene(Electrovibration(240.0), chosen, ("voltage_v",), 1e-2, (FingerContact(1.0, 0.05),)), []
 
     def run(scene: Scene) -> None:
         for _ in range(20):
@@ -90,8 +90,8 @@ def unasked() -> None:
     for tables in UNASKED:
         fuller = replace(bare, effects=(*bare.effects, *effects(tables)))
         times = interleaved({"bare": lambda: run(bare), "fuller": lambda s=fuller: run(s)}, 3 * N_ROUNDS)
-        found.append(median(times["fuller"]) / median(times["bare"]))
-    tell("resolve and run: with an effect that no output needs over without it, largest", max(found), at_most=UNNEEDED)
+        result.append(median(times["fuller"]) / median(times["bare"]))
+    tell("resolve and run: with an effect that no output needs over without it, largest", max(result), at_most=UNNEEDED)
 
 
 def built_in(name: str) -> None:

@@ -80,8 +80,8 @@ class Outcome:
 
 def programs(folder: Path = FOLDER) -> list[str]:
     """Return the names of the benchmarks, without shared modules."""
-    found = (path for path in folder.glob("*.py") if path.name != Path(__file__).name)
-    return sorted(path.stem for path in found if '__name__ == "__main__"' in path.read_text(encoding="utf-8"))
+    result = (path for path in folder.glob("*.py") if path.name != Path(__file__).name)
+    return sorted(path.stem for path in result if '__name__ == "__main__"' in path.read_text(encoding="utf-8"))
 
 
 def sources_of(program: Path, root: Path = ROOT) -> list[Path]:
@@ -93,14 +93,14 @@ def sources_of(program: Path, root: Path = ROOT) -> list[Path]:
     """
     tree = ast.parse(program.read_text(encoding="utf-8"))
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
-    found = {program}
+    result = {program}
     for name in (*imported - {harness.__name__}, *MEASURED_BY_COMMAND.get(program.stem, ())):
         place = root.joinpath(*name.split("."))
         if name.split(".")[0] != "tactometry" or place == root / "tactometry":
             continue
         folder = place if place.is_dir() else place.parent
-        found.update([place.with_suffix(".py")] if folder == root / "tactometry" else folder.glob("*.py"))
-    return sorted(path for path in found if path.is_file())
+        result.update([place.with_suffix(".py")] if folder == root / "tactometry" else folder.glob("*.py"))
+    return sorted(path for path in result if path.is_file())
 
 
 def digest(program: Path, root: Path = ROOT) -> str:
@@ -118,12 +118,12 @@ def once(program: Path, longest_s: float = LONGEST_S) -> tuple[list[MeasuredItem
         options = {"cwd": folder, "env": env, "timeout": longest_s, "stderr": subprocess.PIPE, "text": True}
         try:
             ended = subprocess.run([sys.executable, program], check=False, **options)
-            said = (ended.stderr.strip().splitlines() or ["without a word"])[-1]
-            failed = f"exit status {ended.returncode}: {said:.200}" if ended.returncode else ""
+            stated = (ended.stderr.strip().splitlines() or ["without a word"])[-1]
+            failed = f"exit status {ended.returncode}: {stated:.200}" if ended.returncode else ""
         except subprocess.TimeoutExpired:
             failed = f"took more than {longest_s:g} s"
-        found = [measured(json.loads(line)) for line in rows.read_text(encoding="utf-8").splitlines()]
-    return found, failed or ("" if found else "ended without a result")
+        result = [measured(json.loads(line)) for line in rows.read_text(encoding="utf-8").splitlines()]
+    return result, failed or ("" if result else "ended without a result")
 
 
 def measured(kept: Mapping[str, object]) -> MeasuredItem:
@@ -145,8 +145,8 @@ def run(program: Path, n_runs: int, before: Outcome) -> Outcome:
     today = datetime.now(UTC).date().isoformat()
     rows: list[MeasuredItem] = []
     for _ in range(n_runs):
-        found, failed = once(program)
-        rows, load = [*rows, *found], max(load, os.getloadavg()[0])
+        result, failed = once(program)
+        rows, load = [*rows, *result], max(load, os.getloadavg()[0])
         if failed:
             return replace(before, failed=f"{today}, load {load:.1f}: {failed}")
     took_s = round(perf_counter() - began_s, 1)
@@ -227,14 +227,14 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(programs())}")
     parser.add_argument("--runs", type=int, default=3, help="runs of each")
     parser.add_argument("--page", action="store_true", help="run nothing")
-    said = parser.parse_args()
-    unknown = [name for name in said.names if name not in programs()]
+    stated = parser.parse_args()
+    unknown = [name for name in stated.names if name not in programs()]
     if unknown:
         parser.error(f"found no benchmark {unknown[0]!r}, expected one of {', '.join(programs())}")
-    if said.page:
+    if stated.page:
         write(read(FOLDER / RESULTS), FOLDER)
     else:
-        renew(said.names, said.runs)
+        renew(stated.names, stated.runs)
 
 
 if __name__ == "__main__":

@@ -50,8 +50,8 @@ def against_dense_product() -> None:
 
 
 def to_100_khz() -> None:
-    found = frequencies_hz(100e3)
-    tell(f"{len(found)} free modes below 100 kHz: error", error(found, reference_hz(100e3)), "", at_most=1e-9)
+    result = frequencies_hz(100e3)
+    tell(f"{len(result)} free modes below 100 kHz: error", error(result, reference_hz(100e3)), "", at_most=1e-9)
 
 
 def against_scikit_fem() -> None:
@@ -62,8 +62,8 @@ def against_scikit_fem() -> None:
     ours = partial(frequencies_hz, 25e3, (p_x - fewer, p_y - fewer))
     ours_s = median(interleaved({"ours": ours}, 5)["ours"])
     for n_x, n_y in ELEMENTS:
-        theirs_s, found = run_once(partial(bogner_fox_schmit_hz, PLATE, n_x, n_y, n_modes))
-        limit = 300 if error(found, reference) <= WANTED else None
+        theirs_s, result = run_once(partial(bogner_fox_schmit_hz, PLATE, n_x, n_y, n_modes))
+        limit = 300 if error(result, reference) <= WANTED else None
         tell(f"free modes below 25 kHz, {n_x} x {n_y} BFS elements over ours", theirs_s / ours_s, at_least=limit)
 
 

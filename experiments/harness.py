@@ -109,11 +109,11 @@ def tell(what: str, values: float | Sequence[float], unit: str = "x", **limits: 
     - `limits`: `at_least` and `at_most`.
     """
     repeats = tuple(float(f"{value:.4g}") for value in (values if isinstance(values, Sequence) else (values,)))
-    found = MeasuredItem(what, repeats, unit, **limits)
-    print(found, flush=True)
+    result = MeasuredItem(what, repeats, unit, **limits)
+    print(result, flush=True)
     if kept := os.environ.get(ROWS):
         with Path(kept).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(asdict(found)) + "\n")
+            file.write(json.dumps(asdict(result)) + "\n")
 
 
 def ratios(ones: Sequence[float], others: Sequence[float]) -> list[float]:

@@ -86,13 +86,13 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
         outcome = yield from block.task.trial(shown, rng)
         # the row states which tracks its presentation aborts, so the state is updated before the row is recorded
         before, state = state, state.after(slot, outcome)
-        wanted = yield from _record_rows(block, number, slot, outcome, before, state)
+        required = yield from _record_rows(block, number, slot, outcome, before, state)
         rested_s = outcome.onset_s if rested_s is None else rested_s
         since_s = outcome.onset_s - rested_s
         if outcome.valid and state.open() and block.options.rests(state.n_valid, since_s):  # none after the last trial
-            wanted += yield from _rest(block.options)
+            required += yield from _rest(block.options)
             rested_s = None
-        state = yield from _intervene(begun, number, state, wanted)
+        state = yield from _intervene(begun, number, state, required)
     return state.tracks, state.next_trial
 
 
@@ -109,20 +109,20 @@ def _intervene(
     while wanted:
         intervention, *later = wanted
         is_open = bool(state.open())
-        said: tuple[Intervention, ...] = ()
+        stated: tuple[Intervention, ...] = ()
         match intervention.wanted:
             case "invalidate":
                 state, request = _without(begun, number, state, intervention)
                 yield request
             case "rest":
                 yield Intervene(intervention, "a rest" if is_open else BETWEEN)
-                said = (yield from _rest(state.options)) if is_open else ()
+                stated = (yield from _rest(state.options)) if is_open else ()
             case "skip" | "end":
                 how = "skipped" if intervention.wanted == "skip" else "left, and the session ends"
                 ended = f"is {how}" if is_open else "had come to its end"
                 yield Intervene(intervention, f"block {number} {ended}")
                 state = state.skip()
-        wanted = (*later, *said)
+        wanted = (*later, *stated)
     return state
 
 
@@ -133,11 +133,11 @@ def _without(
     of_block, trial, attempt = intervention.trial or (0, 0, 0)
     if of_block != number or any(track.skipped for track in state.tracks):
         return state, not_asked_again(intervention)
-    found = state.without(trial, attempt, begun)
-    if found is None:
+    result = state.without(trial, attempt, begun)
+    if result is None:
         return state, Intervene(intervention, f"trial {trial} does not count anyway")
 
-    again, (slot, *others) = found
+    again, (slot, *others) = result
     retracted = tuple((number, each.trial, each.attempt) for each in (slot, *others))
     behind = "".join(f", nor does trial {other.trial}, whose level followed from it" for other in others)
     comes_again = "it is asked again" if slot.track in again.open() else "its track is over, and it is not asked again"

@@ -108,8 +108,8 @@ def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> both = Hybrid(FocusTrain(setup, f_max_hz=20e3), AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3))
-    >>> found = measured(both, setup.responses_at(*setup.focus_m))
-    >>> bool(np.allclose(found.at(0.0).samples, both.at(0.0).samples))
+    >>> result = measured(both, setup.responses_at(*setup.focus_m))
+    >>> bool(np.allclose(result.at(0.0).samples, both.at(0.0).samples))
     True
     """
     friction = replace(hybrid.friction, rate_hz=heard.rate_hz)

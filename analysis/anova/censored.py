@@ -87,9 +87,9 @@ def censored_anova(
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
-    >>> found = censored_anova(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
+    >>> result = censored_anova(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
     ...     within="force_n", subject="who")
-    >>> found.design.n_censored, found.means()["mean"].round(1).tolist()
+    >>> result.design.n_censored, result.means()["mean"].round(1).tolist()
     (1, [2.5, 4.0, 6.0])
     """
     factors = names_of(within)
@@ -111,9 +111,9 @@ def _determined_fit(design: BoundedDesign) -> BoundedFit:
     except np.linalg.LinAlgError:
         errors = np.array([np.nan])
     is_determined = np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE
-    found = "a likelihood without a maximum"
+    result = "a likelihood without a maximum"
     expected = f"enough known values for each mean; {LEAVE_OUT}"
-    expect_defined(is_determined, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
+    expect_defined(is_determined, DesignStatus.NO_MAXIMUM, "censored_anova", result, expected)
     return fit
 
 
@@ -131,8 +131,8 @@ def _effects(design: BoundedDesign, fit: BoundedFit, interval: float) -> pd.Data
             tested.append(_wald_test(fit, stratum, apart, f"{between} * {name}"))
 
     least = min((effect.df[1] for effect in tested), default=1.0)
-    found, expected = f"{least:.1f} error degrees of freedom", f"at least 1; {LEAVE_OUT}"
-    expect_defined(least >= 1, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
+    result, expected = f"{least:.1f} error degrees of freedom", f"at least 1; {LEAVE_OUT}"
+    expect_defined(least >= 1, DesignStatus.NO_MAXIMUM, "censored_anova", result, expected)
     # With groups, a within-participant effect and its interaction with the group share an error.
     errors = sum(effect.ss_error for effect in (tested[1::2] if between else tested))
     residual = float(fit.variances[0] * fit.inflation * fit.df_of(0) + errors)
@@ -179,9 +179,9 @@ def censored_pairs(
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
-    >>> found = censored_anova(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
+    >>> result = censored_anova(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
     ...     within="force_n", subject="who")
-    >>> censored_pairs(found, "force_n")[["a", "b", "difference"]].round(1).values.tolist()
+    >>> censored_pairs(result, "force_n")[["a", "b", "difference"]].round(1).values.tolist()
     [[0.5, 1.0, 1.5], [0.5, 2.0, 3.5], [1.0, 2.0, 2.0]]
     """
     rows, scale = [], model.design.scale

@@ -42,7 +42,7 @@ class DesignStatus(StatusWithNote):
 def reason_of(refusal: InvalidParameter) -> str:
     """Return the reason why an analysis has no result, as text for a report.
 
-    >>> reason_of(UndefinedStatistic("y: found 3, expected more", DesignStatus.CONSTANT))
+    >>> reason_of(UndefinedStatistic("y: result 3, expected more", DesignStatus.CONSTANT))
     'all values are equal'
     """
     status = refusal.status if isinstance(refusal, UndefinedStatistic) else DesignStatus.NO_MAXIMUM
@@ -156,9 +156,9 @@ def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, whe
     bad = ~np.isfinite(values)
     row = int(bad.argmax())
     place = ", ".join(f"{name} = {data[name][row]}" for name in columns if name != dependent)
-    found = f"{data[dependent][row]} ({place})"
+    result = f"{data[dependent][row]} ({place})"
     expected = "a finite number; remove the participant or the condition"
-    expect_defined(not bad.any(), DesignStatus.NOT_FINITE, f"{dependent}, row {row}", found, expected)
+    expect_defined(not bad.any(), DesignStatus.NOT_FINITE, f"{dependent}, row {row}", result, expected)
     expect_names(data, [name for name in columns if name != dependent])
     return data.assign(**{dependent: values})
 
@@ -187,8 +187,8 @@ def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequenc
     The first item of `levels` lists the participants.
     """
     n = len(levels[0])
-    found, expected = f"{n} participant{'s' if n != 1 else ''}", f"at least {MIN_PARTICIPANTS} to compare"
-    expect_defined(n >= MIN_PARTICIPANTS, DesignStatus.TOO_FEW_PARTICIPANTS, subject, found, expected)
+    result, expected = f"{n} participant{'s' if n != 1 else ''}", f"at least {MIN_PARTICIPANTS} to compare"
+    expect_defined(n >= MIN_PARTICIPANTS, DesignStatus.TOO_FEW_PARTICIPANTS, subject, result, expected)
     for name, values in zip(within, levels[1:], strict=True):
         refuse_one(name, len(values), "value")
 
@@ -230,20 +230,20 @@ def spread(values: Array, dependent: str) -> float:
     refuse_constant(sd, size, dependent)
     within = values - values.mean(axis=1, keepdims=True)
     has_differences = np.abs(within).max() > RELATIVE_ZERO * size
-    found = "no difference between the conditions of any participant"
+    result = "no difference between the conditions of any participant"
     expect_defined(
         has_differences,
         DesignStatus.NO_VARIANCE_WITHIN,
         dependent,
-        found,
+        result,
         "differences, without which F is undefined",
     )
     has_error = np.abs(within - within.mean(axis=0)).max() > RELATIVE_ZERO * size
-    found, expected = (
+    result, expected = (
         "the same differences in all participants",
         "some error, without which F is undefined",
     )
-    expect_defined(has_error, DesignStatus.ZERO_ERROR, dependent, found, expected)
+    expect_defined(has_error, DesignStatus.ZERO_ERROR, dependent, result, expected)
     return sd * unit
 
 
@@ -295,14 +295,14 @@ class ContrastEffect:
 
 def effects(design: WithinDesign) -> list[ContrastEffect]:
     """Return the effects of a design: main effects first, then interactions."""
-    found = []
+    result = []
     for places in effect_places(len(design.factors)):
         scores = design.cells @ contrasts(design.values.shape[1:], places).T
         mean = scores.mean(axis=0)
         if np.abs(scores - mean).max() <= design.rounding:
             scores = np.broadcast_to(mean, scores.shape)  # an error due to rounding counts as 0: F is then undefined
-        found.append(ContrastEffect(tuple(design.factors[place] for place in places), scores))
-    return found
+        result.append(ContrastEffect(tuple(design.factors[place] for place in places), scores))
+    return result
 
 
 def effect_places(n_factors: int) -> list[tuple[int, ...]]:

@@ -81,8 +81,8 @@ def pairs(
         As `repeated_measures`; and for an unknown correction.
 
     >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [1, 2] * 4, "y": [1.0, 3, 2, 3, 2, 5, 1, 2]})
-    >>> found = pairs(table, dependent="y", factor="force_n", subject="who")
-    >>> found[["a", "b", "difference", "t", "p_corr", "dz"]].round(3).values.tolist()
+    >>> result = pairs(table, dependent="y", factor="force_n", subject="who")
+    >>> result[["a", "b", "difference", "t", "p_corr", "dz"]].round(3).values.tolist()
     [[1.0, 2.0, 1.75, 3.656, 0.035, 1.828]]
     """
     compared, notes = compare(table, dependent, factor, subject, by, "pairs")
@@ -263,8 +263,8 @@ def equivalence(
 
     >>> values = [20.1, 20.3, 22.0, 21.9, 18.7, 18.9, 21.1, 20.9]
     >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [0.5, 1] * 4, "y": values})
-    >>> found = equivalence(table, dependent="y", factor="force_n", subject="who", bound=1.0)
-    >>> found[["difference", "p", "equivalent"]].round(4).values.tolist()
+    >>> result = equivalence(table, dependent="y", factor="force_n", subject="who", bound=1.0)
+    >>> result[["difference", "p", "equivalent"]].round(4).values.tolist()
     [[0.025, 0.0013, True]]
     """
     expect(0 < bound < np.inf, "bound", bound, f"a difference above 0, in the unit of {dependent}")

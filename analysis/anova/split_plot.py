@@ -58,8 +58,8 @@ def mixed_anova(
     >>> values = [3.0, 4, 2, 5, 4, 4, 1, 3, 5, 9, 4, 9]
     >>> table = pd.DataFrame({"who": list("aabbccddeeff"), "force_n": [0.5, 1] * 6, "y": values})
     >>> table["hand"] = ["left"] * 6 + ["right"] * 6
-    >>> found = mixed_anova(table, dependent="y", within="force_n", between="hand", subject="who")
-    >>> found[["Source", "F"]].round(3).values.tolist()
+    >>> result = mixed_anova(table, dependent="y", within="force_n", between="hand", subject="who")
+    >>> result[["Source", "F"]].round(3).values.tolist()
     [['hand', 0.88], ['force_n', 16.071], ['hand * force_n', 3.5]]
     """
     factors = names_of(within)
@@ -92,8 +92,8 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
     Raises `InvalidParameter` for a participant in two groups, fewer than two groups, or a group of one.
     """
     n_groups = rows.groupby(subject, observed=True)[between].nunique(dropna=False)
-    found = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"
-    expect((n_groups == 1).all(), between, found, "one group; declare it as a within-participants factor")
+    result = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"
+    expect((n_groups == 1).all(), between, result, "one group; declare it as a within-participants factor")
     group_of = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
     of, names = pd.factorize(np.array([group_of[code] for code in participants]), sort=True)
     sizes = np.bincount(of)
@@ -122,8 +122,8 @@ def _tests(name: str, scores: Array, groups: Groups, between: str) -> tuple[Effe
     df = len(scores) - n_groups
     shape = epsilons(errors.T @ errors / df, df)
     tested = []
-    for effect, found, df_effect in ((name, ss, p), (f"{between} * {name}", ss_of_groups, p * (n_groups - 1))):
-        f = found / df_effect / (ss_error / (p * df)) if ss_error > 0 else np.nan
+    for effect, result, df_effect in ((name, ss, p), (f"{between} * {name}", ss_of_groups, p * (n_groups - 1))):
+        f = result / df_effect / (ss_error / (p * df)) if ss_error > 0 else np.nan
         tested.append(EffectTest(effect, float(f), float(ss_error), (df_effect, p * df), shape))
     return tested[0], tested[1]
 
@@ -155,8 +155,8 @@ def group_pairs(
         As `mixed_anova`; and for an unknown correction.
 
     >>> table = pd.DataFrame({"who": list("abcdef"), "hand": ["left"] * 3 + ["right"] * 3, "y": [3.0, 4, 5, 6, 8, 7]})
-    >>> found = group_pairs(table, dependent="y", between="hand", subject="who")
-    >>> found[["a", "b", "difference", "t", "p_corr", "g"]].round(3).values.tolist()
+    >>> result = group_pairs(table, dependent="y", between="hand", subject="who")
+    >>> result[["a", "b", "difference", "t", "p_corr", "g"]].round(3).values.tolist()
     [['left', 'right', 3.0, 3.674, 0.021, 2.4]]
     """
     keys = [subject, between, *([by] if by else [])]

@@ -79,18 +79,18 @@ def repeated_measures(
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
-    >>> found = repeated_measures(table, dependent="y", within="force_n", subject="who")
-    >>> found[["F", "p_unc", "np2"]].iloc[0].round(4).tolist()
+    >>> result = repeated_measures(table, dependent="y", within="force_n", subject="who")
+    >>> result[["F", "p_unc", "np2"]].iloc[0].round(4).tolist()
     [27.75, 0.0009, 0.9024]
     """
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="repeated_measures")
     scaled, scale = scaled_design(design, dependent)
-    found = effects(scaled)
-    tested, library = _tested(scaled, found)
+    result = effects(scaled)
+    tested, library = _tested(scaled, result)
 
     between = participant_scores(scaled)
-    residual = float(np.sum((between - between.mean()) ** 2)) + sum(effect.ss_error for effect in found)
-    singular = [singular_note(effect, design.n) for effect in found if effect.ss_error > 0 and effect.is_singular]
+    residual = float(np.sum((between - between.mean()) ** 2)) + sum(effect.ss_error for effect in result)
+    singular = [singular_note(effect, design.n) for effect in result if effect.ss_error > 0 and effect.is_singular]
     return with_notes(effect_table(tested, residual, scale, interval), design, library, tested, singular)
 
 
@@ -118,11 +118,11 @@ def permutation_test(
     [0.125]
     """
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="repeated_measures")
-    found = effects(scaled_design(design, dependent)[0])
+    result = effects(scaled_design(design, dependent)[0])
     columns = {
-        "Source": [effect.name for effect in found],
-        "F": [effect.f for effect in found],
-        "p_permutation": [permutation_p(effect, rng=rng, n_resamples=n_resamples) for effect in found],
+        "Source": [effect.name for effect in result],
+        "F": [effect.f for effect in result],
+        "p_permutation": [permutation_p(effect, rng=rng, n_resamples=n_resamples) for effect in result],
     }
     return pd.DataFrame(columns).assign(n_permutations=n_resamples if design.n > MOST_EXACT else 2 ** (design.n - 1))
 
@@ -281,8 +281,8 @@ def eta_squared(
     (Steiger 2004, Psychol. Methods 9, 164, eq. 21). `df` are the degrees of freedom of the test, corrected if the test
     is corrected.
 
-    >>> found = eta_squared(10.0, 10.0, 40.0, (2.0, 18.0))
-    >>> [round(x, 3) for x in found.values()]
+    >>> result = eta_squared(10.0, 10.0, 40.0, (2.0, 18.0))
+    >>> [round(x, 3) for x in result.values()]
     [0.5, 0.159, 0.64, 0.2, 0.045, 0.308]
     """
     f = ss / df[0] / (ss_error / df[1])

@@ -16,8 +16,8 @@ from tactometry.palette import COLOURS
 
 from ..arrays import Array
 from ..means import rate_interval
-from ..tasks.cells import Estimate
-from ..tasks.task_analysis import CURVES
+from ..tasks.cell import Estimate
+from ..tasks.kinds import CURVES
 from ..threshold.status import Status
 from ..wording import condition_name, with_unit
 from .style import Drawing, drawing_of, grid_of, look, new_figure

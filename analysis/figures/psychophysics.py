@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ..anova.group_means import HIGH, LOW
-from ..tasks.task_analysis import CURVES
+from ..tasks.kinds import CURVES
 from ..wording import with_unit
 from .style import (
     SPREAD,

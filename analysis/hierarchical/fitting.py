@@ -101,9 +101,9 @@ def fit_hierarchical(
     Examples
     --------
     >>> k, levels = [1, 4, 9, 10, 0, 2, 6, 10, 3, 6, 9, 10], [1, 2, 3, 4] * 3
-    >>> found = fit_hierarchical(levels, k, 10, list("AAAABBBBCCCC"), {"force_n": [0.5] * 12}, shape="logistic",
+    >>> result = fit_hierarchical(levels, k, 10, list("AAAABBBBCCCC"), {"force_n": [0.5] * 12}, shape="logistic",
     ...     guess_rate=0.0, lapse_rate=0.0)
-    >>> found.n_participants, round(float(found.conditions["threshold"][0]), 1)
+    >>> result.n_participants, round(float(result.conditions["threshold"][0]), 1)
     (3, 2.2)
     """
     curve = shape_named(options["shape"])
@@ -148,27 +148,27 @@ def _fit(single: SingleFits, interval: float, n_points: int) -> HierarchicalFit:
     model = GroupModel(kept)
     hyper, means = model.start(*single.start())
     try:
-        found = integrate(Laplace(model, hyper, means), hyper, n_points)
-        of_group, (of_cells, rates) = group_place(model, found, interval), cell_place(model, found, interval)
+        result = integrate(Laplace(model, hyper, means), hyper, n_points)
+        of_group, (of_cells, rates) = group_place(model, result, interval), cell_place(model, result, interval)
     except np.linalg.LinAlgError:
         return _without_model(single, GroupStatus.NOT_CONVERGED, interval)
 
     status = GroupStatus.ONE_PARTICIPANT if n == 1 else GroupStatus.OK
     group = ParameterPlace.unknown(study.n_conditions).replaced(chosen, of_group)
     cells = ParameterPlace.unknown(study.n_conditions, n).replaced(chosen, of_cells)
-    all_means, covariance, width_group = _means_of_all(single, model, found)
+    all_means, covariance, width_group = _means_of_all(single, model, result)
     return HierarchicalFit(
         conditions=condition_table(single, group),
         participants=participant_table(single, cells, rates),
-        **_mean_hyperparameters(model, found),
+        **_mean_hyperparameters(model, result),
         lapse_rate=float(rates.mean()),
-        n_effective=found.n_effective,
+        n_effective=result.n_effective,
         status=status,
-        note="; ".join(filter(None, (status.note, *_open(kept, of_group, found.n_effective)))),
+        note="; ".join(filter(None, (status.note, *_open(kept, of_group, result.n_effective)))),
         factors=tuple(study.conditions.columns),
         n_participants=n,
         interval=interval,
-        weights=found.weights,
+        weights=result.weights,
         means=all_means,
         covariance=covariance,
         width_group=width_group,

@@ -81,22 +81,22 @@ def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) ->
     """Find the mode of means and effects by damped Newton steps."""
     precision, n = model.precision(hyper)[0], len(hyper)
     start = np.broadcast_to(means, (n, means.shape[-1])), np.broadcast_to(effects, (n, *effects.shape[-2:]))
-    found = inner_at(model, hyper, precision, *start)
-    damping, left, here = np.zeros(n), np.arange(n), found
+    result = inner_at(model, hyper, precision, *start)
+    damping, left, here = np.zeros(n), np.arange(n), result
     for _ in range(MAX_STEPS):
         *steps, decrement = _step(model, here, precision[left], damping)
         there = inner_at(model, hyper[left], precision[left], here.means + steps[0], here.effects + steps[1])
         rounding = 1e-12 * (1 + np.abs(here.value))
         better = (decrement >= 0) & (there.value >= here.value - rounding)
         here = there.where(better, here)
-        found = found.replaced(left, here)
+        result = result.replaced(left, here)
         is_near = (np.abs(decrement) <= SMALL_DECREMENT * (1 + np.abs(here.value))) & (damping < SMALLEST_DAMPING)
         damping = np.where(better, damping / 10, np.maximum(10 * damping, FIRST_DAMPING))
         going = ~(is_near | (damping > 1e10))
         left, damping, here = left[going], damping[going], here[going]
         if not len(left):
             break
-    return found
+    return result
 
 
 def inner_at(model: GroupModel, hyper: Array, precision: Array, means: Array, effects: Array) -> InnerMode:
@@ -184,8 +184,8 @@ class Laplace:
     def __init__(self, model: GroupModel, hyper: Array, means: Array) -> None:
         n = model.study.n_participants
         self.model, self.means, self.effects = model, means, np.zeros((n, model.random.shape[2]))
-        found = self(hyper[None])
-        self.move(found)
+        result = self(hyper[None])
+        self.move(result)
 
     def move(self, found: "Conditional") -> None:
         best = int(np.argmax(found.log_density))
@@ -226,11 +226,11 @@ def find_mode(laplace: Laplace, hyper: Array) -> tuple[Array, Array]:
     around = np.concatenate([np.zeros((1, k)), GRADIENT_STEP * np.eye(k), -GRADIENT_STEP * np.eye(k)])
 
     def negative(at: Array) -> tuple[float, Array]:
-        found = laplace(at + around)
-        values = found.log_density
+        result = laplace(at + around)
+        values = result.log_density
         if not np.isfinite(values).all():
             return 1e12, np.zeros(k)
-        laplace.means, laplace.effects = found.means[0], found.effects[0]
+        laplace.means, laplace.effects = result.means[0], result.effects[0]
         return -values[0], -(values[1 : k + 1] - values[k + 1 :]) / (2 * GRADIENT_STEP)
 
     mode = minimize(negative, hyper, jac=True, method="BFGS", options={"gtol": 1e-2, "maxiter": 100}).x

@@ -96,10 +96,10 @@ class Intervals:
         fixed, log_sd, scale = self.x @ parameters[:-2], parameters[-2], parameters[-1]
 
         def at(u: Array) -> Array:
-            found = self.values(fixed + scale * u[:, None], log_sd)
-            value = found.value.sum(axis=1) - 0.5 * u * u
-            slope = scale * found.by_mean.sum(axis=1) - u
-            return np.array([value, slope, 1 - scale**2 * found.curvature.sum(axis=1)])
+            result = self.values(fixed + scale * u[:, None], log_sd)
+            value = result.value.sum(axis=1) - 0.5 * u * u
+            slope = scale * result.by_mean.sum(axis=1) - u
+            return np.array([value, slope, 1 - scale**2 * result.curvature.sum(axis=1)])
 
         u, length = start, np.ones(len(start))
         here = at(u)
@@ -281,9 +281,9 @@ def censored_model(
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
-    >>> found = censored_model(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
+    >>> result = censored_model(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
     ...     factors=["force_n"], subject="who")
-    >>> found.n_censored, found.coefficients["estimate"].round(2).tolist()
+    >>> result.n_censored, result.coefficients["estimate"].round(2).tolist()
     (1, [2.5, 1.5, 3.52])
     """
     expect_columns(table, [dependent, low, high], "censored_model")
@@ -314,9 +314,9 @@ def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:
     if endless is not None:
         steepest = int(np.argmax(np.abs(endless)))
         raise _endless(matrix.names[steepest])
-    found = "known values that terms and participants explain exactly"
+    result = "known values that terms and participants explain exactly"
     has_error = not leaves_no_error(ends, matrix.x, matrix.groups)
-    expect(has_error, "censored_model", found, "more known values, or fewer terms")
+    expect(has_error, "censored_model", result, "more known values, or fewer terms")
 
 
 def _endless(name: str) -> InvalidParameter:
@@ -331,9 +331,9 @@ def _refuse_endless(maximum: Maximum, matrix: ModelDesign) -> None:
     worst = int(np.argmax(errors))
     if not (np.isfinite(maximum.log_likelihood) and errors[worst] <= WIDEST_SE):
         raise _endless(matrix.names[worst])
-    found = f"a likelihood that still rises (gradient {maximum.gradient:.2g})"
+    result = f"a likelihood that still rises (gradient {maximum.gradient:.2g})"
     expected = "a maximum, which needs more known values for these terms"
-    expect(maximum.gradient * errors[worst] <= LARGEST_STEP, "censored_model", found, expected)
+    expect(maximum.gradient * errors[worst] <= LARGEST_STEP, "censored_model", result, expected)
 
 
 def _intercept_fit(maximum: Maximum, design: ModelDesign, log_likelihood: float) -> InterceptFit:

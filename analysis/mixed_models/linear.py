@@ -114,10 +114,10 @@ def mixed_model(
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
-    >>> found = mixed_model(table, dependent="y", factors=["force_n"], subject="who")
-    >>> found.coefficients[["term", "estimate"]].round(3).values.tolist()
+    >>> result = mixed_model(table, dependent="y", factors=["force_n"], subject="who")
+    >>> result.coefficients[["term", "estimate"]].round(3).values.tolist()
     [['Intercept', 2.5], ['force_n = 1.0', 1.5], ['force_n = 2.0', 3.5]]
-    >>> round(found.participant_variance, 4), round(found.residual_variance, 4)
+    >>> round(result.participant_variance, 4), round(result.residual_variance, 4)
     (0.5556, 0.4444)
     """
     design = model_design(table, dependent, factors, covariates, subject, interactions=interactions, base=base or {})
@@ -125,11 +125,11 @@ def mixed_model(
     y = design.y / size
     centre, scale = float(y.mean()), float(y.std())
     refuse_constant(scale, float(np.abs(y).max()), dependent)
-    found, expected = (
+    result, expected = (
         "values that participants and terms explain exactly",
         "values with some error, as F is undefined without error",
     )
-    expect_defined(_has_error(y, design), DesignStatus.ZERO_ERROR, dependent, found, expected)
+    expect_defined(_has_error(y, design), DesignStatus.ZERO_ERROR, dependent, result, expected)
     fit = _fit((y - centre) / scale, design)
     log_unit = (len(y) - len(fit.estimates)) * float(np.log(scale) + np.log(size))
     fit = replace(fit, log_likelihood=fit.log_likelihood - log_unit)

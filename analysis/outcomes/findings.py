@@ -13,7 +13,7 @@ import pandas as pd
 from ..anova.censored import CensoredAnova
 from ..anova.design import DesignStatus
 from ..mixed_models.linear import MixedModel
-from ..tasks.task_analysis import RESULTS
+from ..tasks.kinds import RESULTS
 
 FORCE = "force_n"
 DIFFERENCES = ("jnd",)

@@ -13,8 +13,10 @@ from tactometry.errors import InvalidParameter
 
 from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
 from ..hierarchical.tables import Known
-from ..tasks.cells import Cell, count_table
-from ..tasks.task_analysis import CURVES, DIFFERENCE_PER_WIDTH, SHAPE
+from ..tasks.cell import Cell
+from ..tasks.cells import count_table
+from ..tasks.kinds import CURVES
+from ..tasks.task_analysis import DIFFERENCE_PER_WIDTH, SHAPE
 from ..threshold.fitting import ThresholdFit
 from ..threshold.status import Status
 from ..wording import condition_name, interval_text, number_text

@@ -158,8 +158,8 @@ def _unkept_notes(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> Itera
         held = raw[theirs] if theirs in raw.columns else pd.Series(dtype=str)
         like = held[~held.isin(values) & held.map(_folded).isin(kept)]
         if len(like):
-            found = " and ".join(map(repr, sorted(like.unique())))
-            yield f"{file.name}: {count_of(len(like), 'row')} with {theirs} = {found} not kept; expected {values[0]!r}"
+            result = " and ".join(map(repr, sorted(like.unique())))
+            yield f"{file.name}: {count_of(len(like), 'row')} with {theirs} = {result} not kept; expected {values[0]!r}"
 
 
 def _folded(value: str) -> str:

@@ -85,9 +85,9 @@ def _below_chance(rows: pd.DataFrame) -> "pd.Series[bool]":
     known = rows[(rows["task"] == "forced_choice") & (rows["response"] != "")]
     right, n = correctness(known), _column(known, "n_alternatives").fillna(_chosen(known).max())
     by_code = pd.DataFrame({"right": right, "chance": 1 / n}).dropna().groupby(known["participant"])
-    found = by_code.agg(n=("right", "size"), right=("right", "sum"), chance=("chance", "mean"))
-    p = bdtr(found["right"], found["n"], found["chance"])
-    return rows["participant"].isin(found.index[p < BELOW_CHANCE_P]) & (rows["task"] == "forced_choice")
+    result = by_code.agg(n=("right", "size"), right=("right", "sum"), chance=("chance", "mean"))
+    p = bdtr(result["right"], result["n"], result["chance"])
+    return rows["participant"].isin(result.index[p < BELOW_CHANCE_P]) & (rows["task"] == "forced_choice")
 
 
 def _chosen(rows: pd.DataFrame) -> "pd.Series[float]":

@@ -84,8 +84,8 @@ def _without_sep_line(text: str) -> tuple[str, str, int]:
     >>> _without_sep_line("sep=;\r\na;b"), _without_sep_line("a,b")
     (('a;b', ';', 1), ('a,b', '', 0))
     """
-    found = _SEP_LINE.match(text)
-    return (text[found.end() :], found[1], 1) if found else (text, "", 0)
+    result = _SEP_LINE.match(text)
+    return (text[result.end() :], result[1], 1) if result else (text, "", 0)
 
 
 def _expect_lines(text: str, separator: str, file: Path) -> None:

@@ -14,10 +14,11 @@ from ..reading.rows import correctness
 from ..reading.trials import Trials, used_rows
 from ..result import Analysis
 from ..tasks.cells import CHOICES, STATED
-from ..tasks.goodness import LAPSES, goodness_warnings, lapse_warnings
+from ..tasks.goodness import goodness_warnings
+from ..tasks.kinds import CURVES, RESULTS
+from ..tasks.lapses import LAPSES, lapse_warnings
 from ..tasks.localisation import OF_PARTICIPANTS, conditions_of_fits
 from ..tasks.standard import FLOORS, floor_warnings
-from ..tasks.task_analysis import CURVES, RESULTS
 from ..threshold.status import Status
 from ..wording import first_named, named_cells, percent_text
 
@@ -110,14 +111,14 @@ def _unused_warnings(trials: Trials) -> Iterator[str]:
 
 def _alternatives_warnings(analysis: Analysis) -> Iterator[str]:
     """Warn if the number of alternatives is inferred, or differs by condition."""
-    found, columns = analysis.n_choices, analysis.trials.rows.columns
-    if not found or STATED in columns:
+    result, columns = analysis.n_choices, analysis.trials.rows.columns
+    if not result or STATED in columns:
         return
     if "target" not in columns:
-        numbers = " and ".join(map(str, found))
+        numbers = " and ".join(map(str, result))
         yield f"no column 'target' in a forced choice: {numbers} alternatives were inferred from the answers"
-    if len(found) > 1:
-        conditions = {n: ", ".join(" ".join(map(str, one)) for one in each) for n, each in found.items()}
+    if len(result) > 1:
+        conditions = {n: ", ".join(" ".join(map(str, one)) for one in each) for n, each in result.items()}
         named = "; ".join(f"{n}: {text}" for n, text in conditions.items())
         yield (
             "according to their answers, conditions of the forced choice differ in the number of alternatives "
@@ -167,8 +168,8 @@ def _practice_warnings(analysis: Analysis) -> Iterator[str]:
         missed = quality.loc[quality["practice_missed"] == 1, "participant"]
         yield f"practice criterion not met: {', '.join(missed)}"
     if len(events):
-        asked = events[events["text"].str.startswith(PRACTICE_MISSED)]
-        chosen = asked["text"].str.removeprefix(PRACTICE_MISSED).groupby(asked["participant"]).agg(", ".join)
+        requested = events[events["text"].str.startswith(PRACTICE_MISSED)]
+        chosen = requested["text"].str.removeprefix(PRACTICE_MISSED).groupby(requested["participant"]).agg(", ".join)
         if len(chosen):
             choices = "; ".join(f"{participant} {words}" for participant, words in chosen.items())
             yield f"decision of the experimenter after missed practice criterion: {choices}"

@@ -13,8 +13,8 @@ from ..outcomes.findings import RULE, Outcome, Primary
 from ..outcomes.ratings import Ratings
 from ..result import Analysis
 from ..tasks import preference
+from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS
-from ..tasks.task_analysis import CURVES, RESULTS
 from ..wording import PROCEDURES
 from .texts import paragraph, source
 

@@ -20,8 +20,9 @@ from tactometry.files.rows import LIST_OF_TABLES, file_text, spreadsheet_text
 from ..reading.quality import tally_of
 from ..result import Analysis
 from ..wording import in_words, split_unit
+from .kinds import KINDS
 from .methods import references
-from .section import KINDS, Figure, Section
+from .section import Figure, Section
 from .texts import environment
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")

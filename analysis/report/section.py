@@ -1,4 +1,4 @@
-"""Parts of a report: kinds of results, sections of blocks, and terminal tables."""
+"""Parts of a report: sections of blocks, and terminal tables."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -6,8 +6,6 @@ from functools import cached_property
 from typing import ClassVar
 
 import pandas as pd
-
-from tactometry.loading import resolve
 
 from ..figures.style import Drawing
 from ..result import Analysis
@@ -159,19 +157,3 @@ class ResultKind:
 def rows_of(*names: str) -> Callable[[Analysis], Iterable[tuple[str, object]]]:
     """Return a function that yields the named tables as JSON values."""
     return lambda analysis: [(name, analysis.table(name)) for name in names]
-
-
-NAMES = (
-    "outcomes",
-    "standard",
-    "questionnaires",
-    "task_tables",
-    "localisation",
-    "measured",
-    "touches",
-    "quality",
-    "course",
-    "categories",
-    "curves",
-)
-KINDS: tuple[ResultKind, ...] = tuple(resolve(f"{__package__}.sections.{name}:KIND") for name in NAMES)

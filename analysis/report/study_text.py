@@ -10,7 +10,7 @@ from tactometry.config.toml import errors_in, read_table
 
 from ..reading.level_scale import SETTINGS
 from ..reading.origin import StudyText
-from ..tasks.task_analysis import ANALYSES
+from ..tasks.kinds import ANALYSES
 from ..wording import in_words, level_of, percent_text, procedure_phrase, split_unit
 from .texts import paragraph
 

@@ -7,7 +7,7 @@ import pandas as pd
 
 from ..reading.quality import tally_of
 from ..result import Analysis
-from .section import KINDS
+from .kinds import KINDS
 
 ORDER = (
     *("thresholds", "goodness", "outcomes", "hierarchical", "questionnaires", "questionnaire_statistics", "loss"),

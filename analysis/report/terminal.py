@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from ..wording import in_words
-from .section import KINDS, TextGrid, grid
+from .kinds import KINDS
+from .section import TextGrid, grid
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -30,18 +30,18 @@ def environment(*, is_html: bool = False) -> "Environment":
     """Return the template environment, which escapes HTML if `is_html`."""
     from jinja2 import Environment, FunctionLoader, StrictUndefined  # slow to load
 
-    found = Environment(
+    result = Environment(
         loader=FunctionLoader(source),
         autoescape=is_html,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    found.tests["known"] = pd.notna
-    found.filters |= {"p": p_text, "share": share_text, "number": number_text, "percent": percent_text, "df": df_text}
-    found.globals |= {"f_text": f_text, "interval": with_interval, "bayes_text": bayes_text, "evidence": evidence}
-    found.globals |= {"in_unit": in_unit, "level_of": level_of, "value_of": value_of}
-    return found
+    result.tests["known"] = pd.notna
+    result.filters |= {"p": p_text, "share": share_text, "number": number_text, "percent": percent_text, "df": df_text}
+    result.globals |= {"f_text": f_text, "interval": with_interval, "bayes_text": bayes_text, "evidence": evidence}
+    result.globals |= {"in_unit": in_unit, "level_of": level_of, "value_of": value_of}
+    return result
 
 
 def lines(template: str, macro: str, *values: object, **named: object) -> list[str]:
@@ -179,14 +179,14 @@ def form_sentences(form: Ratings) -> dict[str, list[str]]:
 def _by_dimension(table: pd.DataFrame, kind: str) -> list[str]:
     statistic = table.get("F", table.get("t"))  # missing if nothing was tested
     is_tested = pd.Series(False, table.index) if statistic is None else statistic.notna()
-    found = []
+    result = []
     for dimension, rows in table.groupby("dimension", sort=False):
         left_out = rows["left_out"].iloc[0]
         tail = f" (left out, without a score: {left_out})" if left_out else ""
         tested = rows[is_tested[rows.index]]
-        found += [f"{dimension}: {text}{tail}" for text in (table_sentences(kind, tested) if len(tested) else [])]
-        found += [f"{dimension}: not tested, {note}" for note in rows["note"].drop(tested.index)]
-    return found
+        result += [f"{dimension}: {text}{tail}" for text in (table_sentences(kind, tested) if len(tested) else [])]
+        result += [f"{dimension}: not tested, {note}" for note in rows["note"].drop(tested.index)]
+    return result
 
 
 def caption(macro: str, *values: object, **named: object) -> str:

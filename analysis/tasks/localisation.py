@@ -14,7 +14,7 @@ from ..means import MEAN, POSITIVE, by_condition, mean_row, parts as split, rate
 from ..reading.rows import correctness, numbers_of
 from ..threshold.estimates import ThresholdFit
 from ..threshold.fitting import fit_many
-from .cells import Cell, Estimate, counted_cells, stacked_counts
+from .cell import Cell, Estimate, counted_cells, stacked_counts
 from .goodness import SEED, goodness_columns
 from .task_analysis import Results, TaskAnalysis
 
@@ -104,10 +104,10 @@ def _resolutions_among(answers: pd.DataFrame, m: int, conditions: Sequence[str])
     options: dict[str, Any] = {"shape": SHAPE, "guess_rate": 1 / m, "scale_free_width": True}
     cells = counted_cells(answers, conditions)
     fits = fit_many(*stacked_counts(cells), **options)
-    found = pd.DataFrame([_row(cell, fit, conditions) for cell, fit in zip(cells, fits, strict=True)])
+    result = pd.DataFrame([_row(cell, fit, conditions) for cell, fit in zip(cells, fits, strict=True)])
     estimates = list(map(Estimate, cells, fits))
     rng = np.random.default_rng(SEED)
-    return found.join(goodness_columns(answers, conditions, estimates, {(TASK, m): options}, rng))
+    return result.join(goodness_columns(answers, conditions, estimates, {(TASK, m): options}, rng))
 
 
 def _row(cell: Cell, fit: ThresholdFit, conditions: Sequence[str]) -> dict[str, object]:

@@ -59,9 +59,9 @@ def bradley_terry(
         preferred to some others, directly or indirectly (Ford 1957), or if the order determined every preference.
         `note` is then the reason.
 
-    >>> found = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
+    >>> result = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
     ...     [1, 1, 2, 1, 1, 2, 1, 1, 2, 1, 2, 2, 1, 2, 2, 1, 2, 1, 2, 1, 1, 2, 2, 2])
-    >>> (found["worth"].round(2) + 0).tolist()
+    >>> (result["worth"].round(2) + 0).tolist()
     [0.76, 0.0, -0.76, 0.0]
     """
     answer = np.asarray(preferred)
@@ -151,8 +151,8 @@ def _check_pairs(rows: pd.DataFrame) -> None:
     alike = (rows["item"] == rows["item_b"]) | (rows["item"] == "") | (rows["item_b"] == "")
     if alike.any():
         first = rows[alike].iloc[0]
-        found = f"found the items {first['item']!r} and {first['item_b']!r}"
-        raise InvalidFile(f"{place_of(rows[alike])}: {found}, expected {expected}")
+        result = f"found the items {first['item']!r} and {first['item_b']!r}"
+        raise InvalidFile(f"{place_of(rows[alike])}: {result}, expected {expected}")
 
 
 def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

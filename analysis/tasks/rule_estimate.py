@@ -12,7 +12,7 @@ import pandas as pd
 from tactometry.trials.tasks import EASY
 
 from ..reading.rows import COUNTED
-from .cells import Estimate
+from .cell import Estimate
 
 RUN = ("session", "study", "block")
 """Columns that identify a block, together with the participant."""

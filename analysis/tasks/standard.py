@@ -14,8 +14,8 @@ from ..reading.level_scale import is_logarithm
 from ..reading.rows import numbers_of
 from ..threshold.status import Status
 from ..wording import condition_name, in_unit, interval_text, p_text, percent_text
-from .cells import Cell
-from .task_analysis import CURVES
+from .cell import Cell
+from .kinds import CURVES
 
 TASKS = tuple(name for name, curve in CURVES.items() if curve.has_difference)
 STANDARD, UNIT = "standard_level", "level_unit"
@@ -151,8 +151,8 @@ def _sentence(row: dict[Any, Any], factors: Sequence[str], unit: str) -> str:
     ends = row.get("difference_low"), row.get("difference_high")
     text = f"{who}: no PSE to compare with the standard of {row[STANDARD]:g}{unit}"
     if pd.notna(row["difference"]):
-        found = in_unit(interval_text(row["difference"], *ends), unit.partition(" re ")[0].strip())
-        text = f"{who}: PSE minus the standard of {row[STANDARD]:g}{unit} = {found}"
+        result = in_unit(interval_text(row["difference"], *ends), unit.partition(" re ")[0].strip())
+        text = f"{who}: PSE minus the standard of {row[STANDARD]:g}{unit} = {result}"
     if pd.notna(row.get("p")):
         text += f", t({row['df']:.0f}) = {row['t']:.2f}, {p_text(row['p'])}"
     elif row["participant"] and pd.notna(row["differs"]):

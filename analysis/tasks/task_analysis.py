@@ -1,4 +1,4 @@
-"""Analyses of the tasks by name, and the classes that describe them."""
+"""Classes that describe the analysis of a task."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -7,9 +7,7 @@ from typing import Any, Literal
 import pandas as pd
 from scipy.special import ndtri
 
-from tactometry.loading import resolve
 from tactometry.psychometric import SHAPES
-from tactometry.trials.tasks import TASKS
 
 from ..reading.level_scale import is_logarithm
 from ..reading.trials import Trials
@@ -125,10 +123,3 @@ R_OF_LEVEL = 'lme4::glmer(as.integer(response) ~ level{times} + (1 + level | par
 """R model of binary answers that depend on the level."""
 R_OF_FORM = "ordinal::clmm(factor(response, ordered = TRUE) ~ {plus} + (1 | participant) + (1 | item), data = {data})"
 """R model of ratings on an ordinal scale."""
-
-
-ANALYSES: Mapping[str, TaskAnalysis] = {name: resolve(f"{__package__}.{name}:ANALYSIS") for name in TASKS}
-CURVES: Mapping[str, Curve] = {name: found.curve for name, found in ANALYSES.items() if found.curve is not None}
-"""Tasks to which a psychometric function is fitted."""
-RESULTS: Mapping[str, Results] = {name: found.results for name, found in ANALYSES.items() if found.results is not None}
-"""Tasks with other results."""

@@ -42,15 +42,15 @@ def fit_comparisons(
 ) -> tuple[ThresholdFit, ...]:
     """Fit comparisons; return PSEs and just noticeable differences.
 
-    >>> (found,) = fit_comparisons([36, 38, 40, 42, 44], [1, 3, 10, 17, 19], 20, guess_rate=None, scale_free_width=True)
-    >>> 39.5 < found.threshold < 40.5, 1 < found.jnd < 3
+    >>> (pse,) = fit_comparisons([36, 38, 40, 42, 44], [1, 3, 10, 17, 19], 20, guess_rate=None, scale_free_width=True)
+    >>> 39.5 < pse.threshold < 40.5, 1 < pse.jnd < 3
     (True, True)
     """
     fitted = fitting(levels, n_more, n_trials, interval=interval, **options)
     counts = fitted.posterior.counts
     lowest, highest = (counts.centre + side * counts.spread / 2 for side in (-1, 1))
-    found = zip(fitted.results(), equalities(fitted), lowest.tolist(), highest.tolist(), strict=True)
-    return tuple(_compared(*one) for one in found)
+    result = zip(fitted.results(), equalities(fitted), lowest.tolist(), highest.tolist(), strict=True)
+    return tuple(_compared(*one) for one in result)
 
 
 def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highest: float) -> ThresholdFit:
@@ -87,14 +87,14 @@ def equalities(fitted: Fitting) -> list[Equality | None]:
     itself is called "more" in half of the trials, even if it is often not felt. The shape is the cumulative normal.
     """
     posterior, boxes = fitted.posterior, fitted.marginals
-    found: list[Equality | None] = []
+    result: list[Equality | None] = []
     for n, n_levels in enumerate(posterior.counts.n_levels.tolist()):
         one, low, high = posterior[n : n + 1], boxes.low[n], boxes.high[n]
         if n_levels > 1 and np.isnan(low).any():  # the data set was computed on a shared grid
             box = find_box(one, fitted.mode[n : n + 1])
             low, high = box.low[0], box.high[0]
-        found.append(_equality(one, low, high, fitted.interval) if n_levels > 1 else None)
-    return found
+        result.append(_equality(one, low, high, fitted.interval) if n_levels > 1 else None)
+    return result
 
 
 def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float) -> Equality:
@@ -125,5 +125,5 @@ def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> A
     cumulated = np.cumsum(smooth) / smooth.sum()
     shares = [(1 - interval) / 2, 0.5, (1 + interval) / 2]
     # Cumulated mass refers to the upper edges of bins; smoothing shifts it by half a step.
-    found = np.interp(shares, cumulated, np.arange(len(cumulated)) + 0.5) - (BINS_PER_STEP - 1) / 2
-    return np.asarray(found * step / BINS_PER_STEP - reach + middle)
+    result = np.interp(shares, cumulated, np.arange(len(cumulated)) + 0.5) - (BINS_PER_STEP - 1) / 2
+    return np.asarray(result * step / BINS_PER_STEP - reach + middle)

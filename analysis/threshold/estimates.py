@@ -161,8 +161,8 @@ class Fitting:
     def _integrated(self, posterior: LogPosterior, mode: Mode) -> Marginals:
         """Integrate the posterior of every data set with at least two levels."""
         chosen = np.flatnonzero(posterior.counts.n_levels > 1)
-        found = batched_marginals(posterior[chosen], mode[chosen], self.interval)
-        return Marginals.empty(len(posterior)).replaced(chosen, found)
+        result = batched_marginals(posterior[chosen], mode[chosen], self.interval)
+        return Marginals.empty(len(posterior)).replaced(chosen, result)
 
     def _of_posterior(self, mode: Mode, marginals: Marginals, place: Array) -> Estimates:
         """Return the mode, median or mean of the posterior.

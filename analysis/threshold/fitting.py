@@ -102,8 +102,8 @@ def fit(
 
     Examples
     --------
-    >>> found = fit([1, 2, 3, 4, 5], [10, 11, 15, 19, 20], 20, shape="normal", guess_rate=0.5)
-    >>> found.status.value, 2.5 < found.threshold < 3.5
+    >>> result = fit([1, 2, 3, 4, 5], [10, 11, 15, 19, 20], 20, shape="normal", guess_rate=0.5)
+    >>> result.status.value, 2.5 < result.threshold < 3.5
     ('ok', True)
     >>> fit([1, 2, 3], [20, 20, 20], 20, guess_rate=0.5).threshold is None
     True
@@ -129,7 +129,7 @@ def fit_many(
 
     Pad data sets of different lengths with levels of 0 trials.
 
-    >>> [found.status.value for found in fit_many([1, 2, 3, 4], [[0, 0, 10, 10], [10] * 4], 10,
+    >>> [result.status.value for result in fit_many([1, 2, 3, 4], [[0, 0, 10, 10], [10] * 4], 10,
     ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0)]
     ['separated', 'threshold_below_range']
     """

@@ -50,8 +50,8 @@ def fit_modes(
       shape must use levels, not their logarithms.
 
     >>> x = np.tile([10.0, 14.0, 18.0, 22.0, 26.0], (1, 8))
-    >>> found = fit_modes(x, x > [[16.0] * 20 + [20.0] * 20], shape="normal", guess_rate=0.0, lapse_rate=0.02)
-    >>> found.thresholds.round().tolist(), found.regular.tolist()
+    >>> result = fit_modes(x, x > [[16.0] * 20 + [20.0] * 20], shape="normal", guess_rate=0.0, lapse_rate=0.02)
+    >>> result.thresholds.round().tolist(), result.regular.tolist()
     ([18.0], [True])
     """
     x, y = np.asarray(levels, dtype=np.float64), np.asarray(answers, dtype=np.float64)

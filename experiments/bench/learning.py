@@ -123,11 +123,11 @@ def repeatable(
     Raises `DeviceFailed` if the repeatability of a channel is below `at_least`.
     """
     for channel, each in heard:
-        found = quality(each, band_hz)
-        words = f"repeatability {found.repeatability:.3f} at a signal-to-noise ratio of {found.snr_db:.1f} dB"
+        result = quality(each, band_hz)
+        words = f"repeatability {result.repeatability:.3f} at a signal-to-noise ratio of {result.snr_db:.1f} dB"
         cure = f"at least {at_least:g}; repeat louder or longer, without movement. Nothing was written"
-        expect(found.repeatability >= at_least, f"channel {channel}", words, cure, DeviceFailed)
-        yield each, found
+        expect(result.repeatability >= at_least, f"channel {channel}", words, cure, DeviceFailed)
+        yield each, result
 
 
 def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterator[Heard]:
@@ -167,8 +167,8 @@ def _played(
 def expect_whole(output: Guarded) -> None:
     """Raise `DeviceFailed` if an output played with gaps."""
     if n_gaps := output.n_gaps():
-        found = f"found {count_of(n_gaps, 'gap')} in playback, expected none"
-        raise DeviceFailed(f"output {output.name!r}: {found}; close other programs and repeat the measurement")
+        result = f"found {count_of(n_gaps, 'gap')} in playback, expected none"
+        raise DeviceFailed(f"output {output.name!r}: {result}; close other programs and repeat the measurement")
 
 
 def join(responses: Sequence[Responses]) -> Responses:

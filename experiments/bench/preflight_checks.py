@@ -163,9 +163,9 @@ def _screen_findings(screen: DisplayTable, facts: Facts, timing: Mapping[str, in
     interval_ms = [f"{1e3 * float(timing[f'frame_interval_{name}_s'] or 0):.1f}" for name in ("median", "p99", "max")]
     yield Finding("display", "frame interval", f"{interval_ms[0]} ms, p99 {interval_ms[1]}, longest {interval_ms[2]}")
     n_dropped, n_frames = int(timing["n_dropped_frames"] or 0), int(timing["n_frames"] or 0)
-    found, n_due = f"{n_dropped} of {n_frames + n_dropped}", n_frames + n_dropped
+    result, n_due = f"{n_dropped} of {n_frames + n_dropped}", n_frames + n_dropped
     few = n_dropped <= DROPPED_AT_MOST * n_due
-    yield Finding("display", "dropped frames", found, f"at most {DROPPED_AT_MOST:.0%}", few)
+    yield Finding("display", "dropped frames", result, f"at most {DROPPED_AT_MOST:.0%}", few)
     yield Finding("display", "keyboard", str(facts["keyboard"]), fine=True)
 
 
@@ -239,9 +239,9 @@ def _at_rest(sensor: StreamedSensor, part: PositionPart, slides: list[Sliding]) 
         bits = int(axis.max()).bit_length() if axis.max() > 0 else 0
         if bits in FEW_BITS and axis.max() == 2**bits - 1:
             n_full = int((axis == axis.max()).sum())
-            found = f"{n_full} of {len(axis)} at {axis.max():g}, the largest of {bits} bits"
+            result = f"{n_full} of {len(axis)} at {axis.max():g}, the largest of {bits} bits"
             expected = f"none; if this count means overload, write count_high = {axis.max() - 1:g}"
-            yield Finding("position", "counts at full scale", found, expected, fine=False, device=True)
+            yield Finding("position", "counts at full scale", result, expected, fine=False, device=True)
     yield Finding("position", "mean, at rest", f"{_in_mm(known_m.mean(axis=0))} mm")
     yield Finding("position", "noise, sd", f"{_in_mm(known_m.std(axis=0))} mm")
     yield _speed(fastest_m_per_s(times_s, places_m[:, 0]), slides)

@@ -158,14 +158,14 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
     from tactometry.stimuli.time_reversal.responses.measured import read
     from tactometry.stimuli.time_reversal.stimulus import focus_train
 
-    heard = read([Path(learnt.responses)])
+    responses = read([Path(learnt.responses)])
 
     def adapt(stimulus: Stimulus) -> Stimulus:
         match stimulus:
             case focus_train.FocusTrain():
-                return focus_train.measured(stimulus, heard)
+                return focus_train.measured(stimulus, responses)
             case hybrid.Hybrid():
-                return hybrid.measured(stimulus, heard)
+                return hybrid.measured(stimulus, responses)
         return stimulus
 
     bank: dict[str, Stimulus] = {}
@@ -185,8 +185,8 @@ def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
     from tactometry.stimuli.time_reversal.responses.learning import read_provenance
 
     path = Path(learnt.responses)
-    said = read_provenance(path) if path.suffix == ".npz" else {}
-    when = " ".join(str(said[key]) for key in ("measured_on", "measured_by") if key in said)
+    stated = read_provenance(path) if path.suffix == ".npz" else {}
+    when = " ".join(str(stated[key]) for key in ("measured_on", "measured_by") if key in stated)
     digest = sha256(path.read_bytes())
     return {"responses": path.name, "responses_sha256": digest, "responses_measured": when or None}
 

@@ -54,10 +54,10 @@ def outcomes_of(
     for person in people:
         pse, n_more = answers(person, n_sets, rng)
         fitted = fit_comparisons(LEVELS, n_more, person.n_trials, **options)
-        found = np.array([[getattr(one, name) for name in FITTED] for one in fitted], dtype=float)
+        result = np.array([[getattr(one, name) for name in FITTED] for one in fitted], dtype=float)
         truths = {"equality": pse, "difference": np.full(n_sets, JND_PER_SD * person.sd)}
         for place, (quantity, truth) in enumerate(truths.items()):
-            table = pd.DataFrame(found[:, 3 * place : 3 * place + 3], columns=["estimate", "low", "high"])
+            table = pd.DataFrame(result[:, 3 * place : 3 * place + 3], columns=["estimate", "low", "high"])
             yield table.assign(truth=truth, quantity=quantity, **vars(person))
 
 
@@ -106,8 +106,8 @@ def standards(
     first, rows = None, []
     for above_db in ABOVE_DB:
         n_more = answers_to_standard(above_db, n_studies * n_people, rng)
-        found = fit(STANDARD_LEVELS, n_more, N_AT_STANDARD, **(options or FIT))
-        pse, low, high = np.array([[getattr(one, name) for name in FITTED[:3]] for one in found], dtype=float).T
+        result = fit(STANDARD_LEVELS, n_more, N_AT_STANDARD, **(options or FIT))
+        pse, low, high = np.array([[getattr(one, name) for name in FITTED[:3]] for one in result], dtype=float).T
         by_study, missed = pse.reshape(n_studies, n_people), (low > STANDARD) | (high < STANDARD)
         false_effects = np.nan
         if first is None:

@@ -63,8 +63,8 @@ def outcomes_of(
         simulated = answered(design.rule(), drawn, true_db, width_db, rng)
         alarms = design.task.false_alarms(design.n_trials, n_sets, rng)
         for name, options in FITS.items():
-            found = fits(simulated, design.task, design.n_trials, alarms, **options)
-            rows = [(one.status.value, one.threshold, *ends_of(one)) for one in found]
+            result = fits(simulated, design.task, design.n_trials, alarms, **options)
+            rows = [(one.status.value, one.threshold, *ends_of(one)) for one in result]
             table = pd.DataFrame(rows, columns=["status", "threshold_db", "low_db", "high_db"])
             names: dict[str, Any] = {"design": design.name, "lapse_rate": lapse_rate, "truth": truth, "fit": name}
             yield table.astype({"threshold_db": float}).assign(true_db=true_db, **names)

@@ -30,12 +30,12 @@ def outcome(procedure: str, lapses: str, study: int, seed: int) -> dict[str, obj
     rng = stream(seed, CHOSEN.index(procedure), list(LAPSES).index(lapses), study)
     own, deviations = rng.standard_normal((N_PEOPLE, 1)), rng.standard_normal((N_PEOPLE, N_CONDITIONS))
     true_db = MEAN_DB + PEOPLE_SD_DB * own + CELL_SD_DB * deviations
-    found = _fit(procedure, LAPSES[lapses], true_db, rng)
-    people, means = found.participants, found.conditions
+    result = _fit(procedure, LAPSES[lapses], true_db, rng)
+    people, means = result.participants, result.conditions
     is_given = people[["interval_low", "interval_high"]].notna().any(axis=1).to_numpy()
     covers, is_covered = np.nan, _covers(people, true_db.ravel())[is_given]
     if means["threshold"].notna().all():
-        contrast = found.contrast({(1.0,): 1.0, (0.0,): -1.0})
+        contrast = result.contrast({(1.0,): 1.0, (0.0,): -1.0})
         covers = float(contrast.interval_low <= 0 <= contrast.interval_high)
     return {
         "procedure": procedure,

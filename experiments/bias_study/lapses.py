@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from scipy.stats import ttest_rel
 
-from tactometry.analysis.tasks.cells import Cell, Estimate, estimates
-from tactometry.analysis.tasks.goodness import ALPHA, lapse_table
+from tactometry.analysis.tasks.cell import Cell, Estimate
+from tactometry.analysis.tasks.cells import estimates
+from tactometry.analysis.tasks.lapses import ALPHA, lapse_table
 from tactometry.protocols.procedures.easy import with_easy_trials
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
@@ -66,8 +67,8 @@ def outcomes_of(
     paired t-test, and `detected` the share with p < 0.05 in the test of equal lapse rates.
     """
     for name, (first, second), share in product(rules, LAPSE_RATES, SHARES):
-        found = [_judged(study(RULES[name], share, (first, second), rng)) for _ in range(n_studies)]
-        error, false_effects, detected = np.mean(found, axis=0).tolist()
+        result = [_judged(study(RULES[name], share, (first, second), rng)) for _ in range(n_studies)]
+        error, false_effects, detected = np.mean(result, axis=0).tolist()
         row: dict[str, float | str] = {"rule": name, "first": first, "second": second, "share": share}
         yield row | {"error": error, "false_effects": false_effects, "detected": detected}
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.tasks.task_analysis import CURVES
+from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit_many
 from tactometry.protocols import ConstantStimuli, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch import tracks as batch

@@ -56,8 +56,8 @@ def outcomes_of(
         simulated = tracks(procedure, task, place, n_sets, stream, n_trials=max(n_trials), lapse_rate=lapse_rate)
         rows = []
         for n in n_trials:
-            found = fits(simulated, task, n, task.false_alarms(n, n_sets, stream))
-            for one, true_db in zip(found, simulated.thresholds_db, strict=True):
+            result = fits(simulated, task, n, task.false_alarms(n, n_sets, stream))
+            for one, true_db in zip(result, simulated.thresholds_db, strict=True):
                 fit = one.status.value, *ends_of(one), one.threshold
                 rows.append((procedure, task.name, place, n, *fit, true_db))
         yield pd.DataFrame(rows, columns=OUTCOMES).astype({"threshold_db": float})

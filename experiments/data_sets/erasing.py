@@ -89,16 +89,16 @@ def erase(root: Path, participant: str) -> Erased:
 def _erase(root: Path, participant: str) -> Erased:
     before = _there(_plan(root, participant).journals)
     with held(before):
-        found = _plan(root, participant)
-        with held(_there(found.journals) - before):  # journals of a session that began meanwhile
-            told, begun = _told(root, participant, found), _begin(root, participant, found)
-            _remove(found.files if os.name == "posix" else (*found.derived, *found.own))
-    _remove(found.journals)  # other systems cannot erase an open file
-    _remove_empty(root, {*found.files, *(root / name for name in begun.files)})
+        result = _plan(root, participant)
+        with held(_there(result.journals) - before):  # journals of a session that began meanwhile
+            stated, begun = _told(root, participant, result), _begin(root, participant, result)
+            _remove(result.files if os.name == "posix" else (*result.derived, *result.own))
+    _remove(result.journals)  # other systems cannot erase an open file
+    _remove_empty(root, {*result.files, *(root / name for name in begun.files)})
     done = replace(begun, finished_utc=_now(), files=())
     write_erasures(root, [done if erasure == begun else erasure for erasure in read_erasures(root)])
     _remove(drafts(root, RECORD))  # drafts of the record, left by an interruption
-    return replace(told, n_sessions=done.n_sessions, erasure=done)
+    return replace(stated, n_sessions=done.n_sessions, erasure=done)
 
 
 def _there(journals: Iterable[Path]) -> set[Path]:
@@ -117,10 +117,10 @@ def _plan(root: Path, participant: str) -> ErasurePlan:
     _refuse(root, participant)
     erasures = read_erasures(root)
     begun = unfinished(erasures, participant)
-    found = plan(root, participant, begun.files if begun else ())
-    if not found.own and not found.journals and begun is None:
+    result = plan(root, participant, begun.files if begun else ())
+    if not result.own and not result.journals and begun is None:
         raise InvalidParameter(_nothing(root, participant, erasures))
-    return found
+    return result
 
 
 def _nothing(root: Path, participant: str, erasures: Iterable[Erasure]) -> str:
@@ -219,15 +219,15 @@ def _name(root: Path, path: Path) -> str:
 
 def _walk(root: Path) -> tuple[list[Path], list[Path]]:
     """Return files and links, and skipped folders (hidden ones, data sets)."""
-    found, closed = [], []
+    result, closed = [], []
     for folder, folders, files in os.walk(root, onerror=_refuse_unread):
         here = Path(folder)
         shut = [name for name in sorted(folders) if name.startswith(".") or (here / name / "journals").is_dir()]
         closed += [here / name for name in shut]
         folders[:] = sorted(set(folders) - set(shut))
         links = [name for name in folders if (here / name).is_symlink()]
-        found += [here / name for name in sorted([*files, *links])]
-    return found, closed
+        result += [here / name for name in sorted([*files, *links])]
+    return result, closed
 
 
 def _refuse_unread(error: OSError) -> None:

@@ -14,7 +14,8 @@ from typing import Final
 import pandas as pd
 
 from tactometry.analysis.tasks.cells import alternatives
-from tactometry.analysis.tasks.task_analysis import ANALYSES, R_OF_FORM
+from tactometry.analysis.tasks.kinds import ANALYSES
+from tactometry.analysis.tasks.task_analysis import R_OF_FORM
 from tactometry.arguments.require import expect, one_of
 from tactometry.files.json_file import json_value
 from tactometry.files.rows import cell_text, spreadsheet_text

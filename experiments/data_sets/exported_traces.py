@@ -74,13 +74,13 @@ def traces_as(form: str, path: Path, task: str, files: Mapping[str, bytes]) -> F
 
 def _traced(root: Path, journal: Path) -> Iterator[TracedSession]:
     recording = read(journal)
-    found: dict[TraceKind, list[tuple[RecordedTouch, TracePart]]] = {}
+    result: dict[TraceKind, list[tuple[RecordedTouch, TracePart]]] = {}
     for touch in touches(recording):
         for part in touch.answer.trace:
             kind = kind_of(part)
             if kind is not None:
-                found.setdefault(kind, []).append((touch, part))
-    for kind, parts in found.items():
+                result.setdefault(kind, []).append((touch, part))
+    for kind, parts in result.items():
         head = parts[0][0].head
         yield TracedSession(root, kind, head.participant, head.session, head.study, tuple(parts))
 

@@ -151,17 +151,19 @@ def paths_in(content: bytes) -> dict[str, bytes]:
 
 def positions_defects(journal: Path, trials: Iterable[Trial]) -> Iterator[Defect]:
     """Yield defects for texture trials whose path is missing or differs."""
-    wanted = dict.fromkeys(trial.positions_digest for trial in trials if trial.positions_digest is not None)
+    required = dict.fromkeys(trial.positions_digest for trial in trials if trial.positions_digest is not None)
     file = journal.with_name(f"{journal.stem}_positions.tsv")
     name = f"journals/{file.name}"
-    if not wanted:
+    if not required:
         return
     if not file.is_file():
-        yield Defect(name, None, f"found no such file, expected the positions of {len(wanted)} trials; restore a copy")
+        yield Defect(
+            name, None, f"found no such file, expected the positions of {len(required)} trials; restore a copy"
+        )
         return
     paths = paths_in(read_file(file, WHAT))
-    for digest in wanted:
+    for digest in required:
         lines = paths.get(digest)
         if lines is None or digest_of(lines) != digest:
-            found = "no path" if lines is None else "another path than the recorded one"
-            yield Defect(name, None, f"found {found} under {digest}, expected the recorded path; restore a copy")
+            result = "no path" if lines is None else "another path than the recorded one"
+            yield Defect(name, None, f"found {result} under {digest}, expected the recorded path; restore a copy")

@@ -67,10 +67,10 @@ def touch_courses(path: Path) -> pd.DataFrame:
         `speed_m_per_s`) and target. `n_unread` samples of the participant are damaged or missing.
     """
     read_or_not = [(touch, _courses(path, touch)) for touch in _valid_touches(path)]
-    courses = [course for _, found in read_or_not for course in found or ()]
-    unread = Counter(touch.head.participant for touch, found in read_or_not if found is None)
+    courses = [course for _, result in read_or_not for course in result or ()]
+    unread = Counter(touch.head.participant for touch, result in read_or_not if result is None)
     by_wanted = groupby(sorted(courses, key=lambda course: course.wanted[:3]), key=lambda course: course.wanted)
-    tables = [_table(wanted, list(group), unread[wanted.participant]) for wanted, group in by_wanted]
+    tables = [_table(required, list(group), unread[required.participant]) for required, group in by_wanted]
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
 
 
@@ -88,8 +88,8 @@ def _courses(root: Path, touch: RecordedTouch) -> list[MeasuredCourse] | None:
     except TactometryError:
         return None
     made = {"force": _force, "position": _speed}
-    found = (make(touch, tables[kind]) for kind, make in made.items() if kind in tables)
-    return [course for course in found if course.times_s.size > 1]
+    result = (make(touch, tables[kind]) for kind, make in made.items() if kind in tables)
+    return [course for course in result if course.times_s.size > 1]
 
 
 def _force(touch: RecordedTouch, table: FloatArray) -> MeasuredCourse:
@@ -158,5 +158,5 @@ def measured_losses(path: Path) -> list[LossRow]:
 
 
 def _contactor(variants: Mapping[str, Mapping[str, Any]], row: Mapping[Any, Any]) -> tuple[str, float]:
-    said = variants[row["contactor"]]["sensation"]
-    return said["contactor"], said.get("diameter_m", FINGER_DIAMETER_M)
+    stated = variants[row["contactor"]]["sensation"]
+    return stated["contactor"], stated.get("diameter_m", FINGER_DIAMETER_M)

@@ -167,12 +167,12 @@ def _journal(path: Path, participant: str | None, session: int | None) -> Path:
         return path
     every = list(sessions(path))
     expect(bool(every), path, "no journal", "a data set with journals/*.jsonl, or a journal", InvalidFile)
-    asked = {"participant": participant, "session": None if session is None else str(session)}
-    wanted = {key: value for key, value in asked.items() if value is not None}
-    meant = [journal for journal in every if wanted.items() <= keys_of(journal.stem).items()]
+    requested = {"participant": participant, "session": None if session is None else str(session)}
+    required = {key: value for key, value in requested.items() if value is not None}
+    meant = [journal for journal in every if required.items() <= keys_of(journal.stem).items()]
     if len(meant) != 1:
-        found = f"{count_of(len(meant), 'session')}{' of ' if wanted else ''}{', '.join(wanted.values())}"
-        raise InvalidFile(f"{path}: found {found}, expected one; state its participant and session")
+        result = f"{count_of(len(meant), 'session')}{' of ' if required else ''}{', '.join(required.values())}"
+        raise InvalidFile(f"{path}: found {result}, expected one; state its participant and session")
     return meant[0]
 
 
@@ -256,12 +256,12 @@ def described(root: Path, parts: Sequence[TracePart]) -> TraceDescription:
     Raises `InvalidFile` if the description is missing, damaged, or does not fit the samples.
     """
     beside = root / sidecar_of(Path(parts[0].file))
-    said = read_sidecar(beside)
+    stated = read_sidecar(beside)
     first, last = read_part(root, parts[0]), read_part(root, parts[-1])
     one_each = f"a name for each of the {first.shape[1]} columns of the samples"
-    expect(first.shape[1] == len(said.columns), f"{beside}: Columns", said.names, one_each, InvalidFile)
+    expect(first.shape[1] == len(stated.columns), f"{beside}: Columns", stated.names, one_each, InvalidFile)
     if kind_of(parts[0]) != "emitted":
-        n_samples = (last[-1, 0] - first[0, 0]) * said.rate_hz
+        n_samples = (last[-1, 0] - first[0, 0]) * stated.rate_hz
         rate = f"the rate of the samples, at most {MOST_SAMPLES} in a session"
-        expect(n_samples < MOST_SAMPLES, f"{beside}: SamplingFrequency", f"{said.rate_hz:g} Hz", rate, InvalidFile)
-    return said
+        expect(n_samples < MOST_SAMPLES, f"{beside}: SamplingFrequency", f"{stated.rate_hz:g} Hz", rate, InvalidFile)
+    return stated

@@ -39,13 +39,13 @@ def power(
 
     Batches stored in `folder` are reused.
     """
-    found = Summary(design)
+    result = Summary(design)
     stored = () if folder is None else (folder.kept, folder.keep, folder.simulated)
     batches = sample(design, spread, *stored)
     for batch, rows in batches:
-        found.add(rows)
+        result.add(rows)
         tell(batch)
-    points = found.points()
+    points = result.points()
     if folder is not None:
         folder.write_table(points)
     return Power(design, points, recommendation(design, points), tuple(cautions(design, points)))

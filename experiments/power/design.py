@@ -113,11 +113,11 @@ def participants_of(text: str) -> tuple[int, ...]:
         expect(match[3] is None or step > 0, where, f"{text!r}, a step of 0", expected)
     else:
         numbers = _numbers(text, where, expected)
-    found = tuple(sorted(set(numbers)))
-    for n in found:
+    result = tuple(sorted(set(numbers)))
+    for n in result:
         fits = FEWEST_PARTICIPANTS <= n <= MOST_PARTICIPANTS
         expect(fits, where, n, f"from {FEWEST_PARTICIPANTS} to {MOST_PARTICIPANTS}")
-    return found
+    return result
 
 
 def trials_of(text: str | None) -> tuple[int | None, ...]:

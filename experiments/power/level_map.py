@@ -88,11 +88,11 @@ def slopes_of(experiment: Experiment, factor: str, growths: Mapping[str, float])
     people = experiment.people.middle
     if not isinstance(people, Stated):
         return dict(growths)
-    found: dict[str, list[float]] = {level: [] for level in growths}
+    result: dict[str, list[float]] = {level: [] for level in growths}
     for cell in experiment.cells.values():
         factors = cell.condition.factors
-        found[cell_text(factors[factor])].append(people.stated(factors).stretch)
-    return {level: float(np.mean(stretches)) for level, stretches in found.items()}
+        result[cell_text(factors[factor])].append(people.stated(factors).stretch)
+    return {level: float(np.mean(stretches)) for level, stretches in result.items()}
 
 
 def check_maps(study: Study, factor: str) -> None:
@@ -124,21 +124,21 @@ def with_levels(study: Study, factor: str, maps: Mapping[str, LevelMap]) -> Stud
 
 def _played(table: Mapping[str, Any], level_map: LevelMap) -> dict[str, Any]:
     stated = {"decade": DECADE, **table} if table.get("kind") == "quest" else table
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for key, value in stated.items():
         if key in LEVELS or key in DISTANCES:
             numbers = value if isinstance(value, list | tuple) else [value]
             mapped = [level_map.played(n) if key in LEVELS else n / level_map.factor for n in numbers]
-            found[key] = mapped if isinstance(value, list | tuple) else mapped[0]
-    return found
+            result[key] = mapped if isinstance(value, list | tuple) else mapped[0]
+    return result
 
 
 def with_stated_levels(rows: pd.DataFrame, factor: str, maps: Mapping[str, LevelMap]) -> pd.DataFrame:
     """Replace played levels by stated ones in trials, and clear `correct`."""
-    found = rows.assign(correct=None)
+    result = rows.assign(correct=None)
     texts = rows[factor].map(lambda level: level if isinstance(level, str) else cell_text(level))
     for level, level_map in maps.items():
         at = texts == level
         for column in ("level", "level_delivered"):
-            found.loc[at, column] = level_map.stated(rows.loc[at, column].to_numpy(dtype=float))
-    return found
+            result.loc[at, column] = level_map.stated(rows.loc[at, column].to_numpy(dtype=float))
+    return result

@@ -16,8 +16,8 @@ from tactometry.analysis.reading.quality import exclude, quality
 from tactometry.analysis.reading.trials import Trials, used_rows
 from tactometry.analysis.tasks import cells
 from tactometry.analysis.tasks.applied_force import force_of_participants, has_force
+from tactometry.analysis.tasks.kinds import RESULTS
 from tactometry.analysis.tasks.signal_detection import forced_choice_sensitivity
-from tactometry.analysis.tasks.task_analysis import RESULTS
 from tactometry.observers.people import Feeling
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols.tasks.task import Task
@@ -254,8 +254,8 @@ class _Compared:
         further = results.further if results is not None else ()
         factors = [name for name in (*self.trials.factors, *further) if name in values.columns]
         forces = self._forces(these) if primary == Primary.MIXED_MODEL.value else None
-        found = outcome(values, factors, self.task, dependent, forces=forces, primary=primary, compared=False)
-        return p_of(found, factor)
+        result = outcome(values, factors, self.task, dependent, forces=forces, primary=primary, compared=False)
+        return p_of(result, factor)
 
     def _forces(self, these: list[str]) -> pd.DataFrame | None:
         used = self.used[self.used["participant"].isin(these)]

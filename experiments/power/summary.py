@@ -75,7 +75,7 @@ class Summary:
 
     def _point(self, n_trials: int, n_participants: int) -> PowerEstimate:
         rows, without = (self._rows[n_trials, n_participants, has_effect] for has_effect in (True, False))
-        found, stated = _mean(row.found for row in rows), stated_effect(self._design)
+        result, stated = _mean(row.found for row in rows), stated_effect(self._design)
         return PowerEstimate(
             n_trials,
             n_participants,
@@ -83,8 +83,8 @@ class Summary:
             *_significant(rows),
             len(without),
             *_significant(without),
-            found=found,
-            bias=None if found is None or stated is None else found - stated,
+            found=result,
+            bias=None if result is None or stated is None else result - stated,
             threshold_bias=_mean(row.error for row in rows),
             width=_mean(row.width for row in rows),
             untested_share=sum(row.p is None for row in rows) / len(rows),

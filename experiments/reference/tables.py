@@ -62,8 +62,8 @@ class KeyTable:
     @property
     def shown(self) -> Values:
         """Values of the example."""
-        found: Values = resolve(self.example) if isinstance(self.example, str) else self.example
-        return found
+        result: Values = resolve(self.example) if isinstance(self.example, str) else self.example
+        return result
 
     def read(self, values: Values, path: str) -> object:
         """Build the object of a table. An error begins with `path`."""
@@ -82,22 +82,22 @@ PAGES: Final = tuple(_LISTED)
 def tables_of_page(page: str) -> Iterator[KeyTable]:
     """Yield the tables of a page, in their order."""
     for name in _LISTED[page]:
-        said = _said(page, name)
-        if "kinds_of" not in said:
-            yield _table(name, said)
+        stated = _said(page, name)
+        if "kinds_of" not in stated:
+            yield _table(name, stated)
             continue
-        changes, header = said.pop("kind", {}), said["header"]
+        changes, header = stated.pop("kind", {}), stated["header"]
         of_header = "{kind}" in header
-        for kind, known in resolve(said.pop("kinds_of")).items():
+        for kind, known in resolve(stated.pop("kinds_of")).items():
             fields = {"reads": known} if isinstance(known, str) else known
             own = {"header": header.format(kind=kind), "kind": "" if of_header else kind}
-            yield _table(name.format(kind=kind), merge(said | fields | own, changes.get(kind, {})))
+            yield _table(name.format(kind=kind), merge(stated | fields | own, changes.get(kind, {})))
 
 
 def _said(page: str, name: str) -> dict[str, Any]:
     """Return what `tables.toml` says of a table, with the fields it copies."""
-    said = dict(_LISTED[page][name])
-    return merge(_said(page, said.pop("as")), said) if "as" in said else said
+    stated = dict(_LISTED[page][name])
+    return merge(_said(page, stated.pop("as")), stated) if "as" in stated else stated
 
 
 def _table(name: str, said: Values) -> KeyTable:

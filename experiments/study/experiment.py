@@ -58,9 +58,9 @@ class Experiment(SessionPlan):
     def words_in(self, language: str) -> dict[str, str]:
         """Return custom texts for participants, which replace built-in ones."""
         kind = self.table.kind
-        asked = messages_of(kind, self.table.task_kind.questions)
+        requested = messages_of(kind, self.table.task_kind.questions)
         of_choices = {name: text for form in self.choices for name, text in words_of(form, language).items()}
-        return of_choices | self.study.words_in(language) | texts_of(self.table.prompt, asked, language)
+        return of_choices | self.study.words_in(language) | texts_of(self.table.prompt, requested, language)
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -210,8 +210,8 @@ class Experiment(SessionPlan):
         study = self.study
         columns = table_columns([_factor_column(name) for name in study.factors], self._optional())
         numbers = ", ".join(name for form in self.choices for name in form.numbers)
-        said = f" Answers could tell who a participant is: {numbers}." if numbers else ""
-        description = f"{study.description}{said}".strip() if said else study.description
+        stated = f" Answers could tell who a participant is: {numbers}." if numbers else ""
+        description = f"{study.description}{stated}".strip() if stated else study.description
         return StudyDescription(study.name, study.title, description, columns, study_toml)
 
     def _optional(self) -> list[str]:
@@ -275,13 +275,13 @@ def wire(
 
 
 def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool, plays: bool) -> Experiment:
-    found = Gathered()
-    table = found.made(lambda: task_of(study))
-    practice = found.made(lambda: practice_of(study.practice))
-    people = found.made(lambda: population_of(study.observer, "observer", code_from if simulated else None))
-    n_tracks = 1 if found.errors else _tracks_per_cell(study, table)
-    cells = found.made(lambda: dict(_cells(Wiring(study, code_from, plays=plays), n_tracks)))
-    found.end()
+    result = Gathered()
+    table = result.made(lambda: task_of(study))
+    practice = result.made(lambda: practice_of(study.practice))
+    people = result.made(lambda: population_of(study.observer, "observer", code_from if simulated else None))
+    n_tracks = 1 if result.errors else _tracks_per_cell(study, table)
+    cells = result.made(lambda: dict(_cells(Wiring(study, code_from, plays=plays), n_tracks)))
+    result.end()
     crossing_of(study, table.over, study.factors)  # rejects impossible orders
     forms = {name: asked_form(study, name) for name in study.inquiries}
     questionnaires_of(study.forms)  # unused forms must be valid too

@@ -306,9 +306,9 @@ class StudyPrediction:
         further = {"contact": self.fingers, "unfelt": self.unfelt, "jnd": self.jnds}
         parts: dict[str, tuple[Any, ...]] = {
             "felt": self.effects,
-            **{name: found for name, found in further.items() if found},
+            **{name: result for name, result in further.items() if result},
         }
-        return {name: [asdict(one) for one in found] for name, found in parts.items()}
+        return {name: [asdict(one) for one in result] for name, result in parts.items()}
 
 
 def predict(experiment: Experiment) -> StudyPrediction:

@@ -127,8 +127,8 @@ def value_at(holder: Any, path: list[str]) -> Value:
     """
     for name in path:
         holder = holder[int(name)] if name.isdigit() else getattr(holder, name)
-    found: Value = holder
-    return found
+    result: Value = holder
+    return result
 
 
 def _group(name: str, rows: dict[str, Any]) -> Group:
@@ -210,10 +210,10 @@ def sources_of(experiment: Experiment) -> StudySources:
     reference = _Reference(cell, scene, level)
     parts = (cell.stimulus, scene, experiment.people.middle, experiment.people.raters, experiment.study.finger)
     before_db = reference.sensation_db()
-    found = [one for group in groups() for one in _influences(group, reference, before_db, parts)]
-    found.sort(key=lambda one: -one.largest_db)
-    marked = [replace(one, is_marked=one.largest_db > NEGLIGIBLE_DB) for one in found[:N_MARKED]]
-    shown = (*marked, *found[N_MARKED:])
+    result = [one for group in groups() for one in _influences(group, reference, before_db, parts)]
+    result.sort(key=lambda one: -one.largest_db)
+    marked = [replace(one, is_marked=one.largest_db > NEGLIGIBLE_DB) for one in result[:N_MARKED]]
+    shown = (*marked, *result[N_MARKED:])
     return StudySources(cell.condition.factors, level, cell.stimulus.level_unit, is_threshold, shown)
 
 
@@ -234,10 +234,10 @@ def _felt_scene(experiment: Experiment, cell: WiredCell) -> Scene:
 def _reference_level(cell: WiredCell) -> tuple[float, bool]:
     """Return the level at the threshold of a condition, else its highest level."""
     bounds = cell.procedure.rule.bounds
-    found = None
+    result = None
     if cell.stimulus.level_unit.startswith("dB"):
-        found = threshold_db(partial(felt_db, cell, contact=contact_of(cell)), bounds)
-    return (bounds[1], False) if found is None else (found, True)
+        result = threshold_db(partial(felt_db, cell, contact=contact_of(cell)), bounds)
+    return (bounds[1], False) if result is None else (result, True)
 
 
 def _influences(group: Group, reference: _Reference, before_db: float, parts: tuple[Any, ...]) -> Iterator[Influence]:

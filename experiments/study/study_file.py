@@ -30,16 +30,16 @@ def parse(content: bytes, where: str) -> Study:
     """
     table = table_of(content, where, "a study file")
     with errors_in(where):
-        found, of_study = Gathered(), Gathered()
-        table = as_si(table, "", found)
+        result, of_study = Gathered(), Gathered()
+        table = as_si(table, "", result)
         with of_study.part():
             study = build(Study, table, "", _folder=Path(where).parent)
         for error in of_study.errors:
-            found.add(error)
-        if found.errors:
-            with found.part():
+            result.add(error)
+        if result.errors:
+            with result.part():
                 _check_the_rest(table, {_first_key(error) for error in of_study.errors})
-        found.end()
+        result.end()
         return study
 
 
@@ -49,15 +49,15 @@ def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
 
     stand_ins = {"name": "study", "title": "", "description": "", "limits": {}}
     rest = {key: value for key, value in table.items() if key not in wrong and key in fields_of(Study)}
-    found = Gathered()
+    result = Gathered()
     try:
         wire(build(Study, stand_ins | rest, ""), "", plays=False)
     except (InvalidParameter, InvalidFile) as error:
-        found.add(reworded(error, InvalidParameter, lambda words: words.removeprefix(", ")))
+        result.add(reworded(error, InvalidParameter, lambda words: words.removeprefix(", ")))
     # Errors about tables or numbers that were removed here are spurious.
     spurious = re.compile(r"\b(limits|nan)\b" if "limits" in wrong else r"\bnan\b")
-    found.errors = [error for error in found.errors if _first_key(error) in rest and not spurious.search(str(error))]
-    found.end()
+    result.errors = [error for error in result.errors if _first_key(error) in rest and not spurious.search(str(error))]
+    result.end()
 
 
 def _first_key(error: TactometryError) -> str:

@@ -25,12 +25,12 @@ def reproduction_of(name: str) -> "Reproduction":
     from . import studies
     from .reproduction import Reproduction
 
-    said = dict(_ITEMS[name])
-    numbers, drawn_in, ranges = (said.pop(key, "") for key in ("numbers", "drawn_in", "ranges"))
+    stated = dict(_ITEMS[name])
+    numbers, drawn_in, ranges = (stated.pop(key, "") for key in ("numbers", "drawn_in", "ranges"))
     module = import_module(f"{__name__}.{drawn_in or numbers.partition(':')[0]}")
-    said = {"stated": "", "assumes": "{m.ASSUMES}", **said}
+    stated = {"stated": "", "assumes": "{m.ASSUMES}", **stated}
     texts: dict[str, Any] = {
-        key: " ".join(text.format(m=module, studies=studies).split()) for key, text in said.items()
+        key: " ".join(text.format(m=module, studies=studies).split()) for key, text in stated.items()
     }
     return Reproduction(
         **texts,

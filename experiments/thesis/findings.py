@@ -114,8 +114,8 @@ def loss_under_finger() -> Iterator[Number]:
         for place, at_m in {"at the focus": (FOCUS,), "elsewhere": ELSEWHERE}.items():
             loss = _loss(screen, at_m, resistance)
             if (resistance, tau_s) == DEFAULT:
-                said, low, high = STATED[place]
-                yield Number(place, condition, 100 * loss, "%", "calibrated", said, low <= loss <= high)
+                stated, low, high = STATED[place]
+                yield Number(place, condition, 100 * loss, "%", "calibrated", stated, low <= loss <= high)
             else:
                 yield Number(place, condition, 100 * loss, "%", "derived")
         if (resistance, tau_s) == DEFAULT:

@@ -61,13 +61,13 @@ def measurements() -> Mapping[str, DrivenFocus]:
 
 
 def _measure(emission: Emission) -> DrivenFocus:
-    heard = emission.responses(A4_PROTOTYPE, [FOCUS])
-    signal = emission.drive(heard)
-    amplitude_m = focus_amplitude(signal, heard)
+    responses = emission.responses(A4_PROTOTYPE, [FOCUS])
+    signal = emission.drive(responses)
+    amplitude_m = focus_amplitude(signal, responses)
     at_focus = field(A4_PROTOTYPE, signal, signal.samples.shape[1] - 1, grid(A4_PROTOTYPE, N_X, N_Y), emission.f_max_hz)
     return DrivenFocus(
         amplitude_m,
-        temporal_width_s(emitted(signal, heard)[0], emission.rate_hz),
+        temporal_width_s(emitted(signal, responses)[0], emission.rate_hz),
         float(resolution_per_focus_m(A4_PROTOTYPE, [FOCUS], emission).mean()),
         contrast_whole_of(amplitude_m, at_focus),
         switched_power_w(signal, PATCH_CAPACITANCE_F),

@@ -162,14 +162,14 @@ def _ranges(names: Sequence[str]) -> str:
     >>> _ranges(["figure-2.1", "figure-2.2", "figure-2.3", "table-2.2"])
     'figure-2.1 to 2.3, table-2.2'
     """
-    found: list[list[str]] = []
+    result: list[list[str]] = []
     for name in names:
         chapter, _, n = name.rpartition(".")
-        if found and found[-1][-1] == f"{chapter}.{int(n) - 1}":
-            found[-1].append(name)
+        if result and result[-1][-1] == f"{chapter}.{int(n) - 1}":
+            result[-1].append(name)
         else:
-            found.append([name])
-    spans = (f"{names[0]} to {names[-1].partition('-')[2]}" if len(names) > 1 else names[0] for names in found)
+            result.append([name])
+    spans = (f"{names[0]} to {names[-1].partition('-')[2]}" if len(names) > 1 else names[0] for names in result)
     return ", ".join(spans)
 
 

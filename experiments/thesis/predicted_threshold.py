@@ -161,18 +161,18 @@ def thresholds_m(one: FingerDraw, force_n: float, course: FocusCourse, loss: flo
 def predicted_threshold(course: FocusCourse) -> Iterator[Number]:
     """Yield thresholds at each force, and their change with force, with bands."""
     disc, drawn = loss_by_disc(A4_PROTOTYPE, FOCUS, UNFILTERED), list(draws())
-    found = np.empty((len(FORCES_N), len(drawn), 2))
+    result = np.empty((len(FORCES_N), len(drawn), 2))
     for i, force_n in enumerate(FORCES_N):
         for n, one in enumerate(drawn):
             load = one.load(force_n)
             loss = disc.by(load.dynamic_stiffness(disc.s), load.radius_m)
-            found[i, n] = thresholds_m(one, force_n, course, loss)
+            result[i, n] = thresholds_m(one, force_n, course, loss)
     for k, name in enumerate((THROWN, HOLDS)):
         variant = name == HOLDS
-        for force_n, thresholds in zip(FORCES_N, found[..., k], strict=True):
+        for force_n, thresholds in zip(FORCES_N, result[..., k], strict=True):
             band = band_of(1e6 * thresholds)
             near = {"stated": "about 10 um", "holds": band.holds(STATED_UM), "is_variant": variant}
             yield band.number(f"threshold, {name}", f"{force_n:g} N", "um", **near)
-        band = band_of(20 * np.log10(found[-1, :, k] / found[0, :, k]))
+        band = band_of(20 * np.log10(result[-1, :, k] / result[0, :, k]))
         none = {"stated": "force has no influence", "holds": band.holds(0.0), "is_variant": variant}
         yield band.number(f"threshold from {FORCES_N[0]:g} to {FORCES_N[-1]:g} N", name, "dB", **none)

@@ -56,8 +56,8 @@ def threshold_db(cell: WiredCell, felt: Sensation | None = None) -> float:
 
     The result is NaN if no level of the study is felt, or if all are by 40 dB.
     """
-    found = predictions.threshold_db(partial(sensation_db, cell, felt=felt), cell.procedure.rule.bounds)
-    return math.nan if found is None else found
+    result = predictions.threshold_db(partial(sensation_db, cell, felt=felt), cell.procedure.rule.bounds)
+    return math.nan if result is None else result
 
 
 @lru_cache(maxsize=4)

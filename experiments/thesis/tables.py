@@ -73,18 +73,18 @@ class Focus:
 @lru_cache(maxsize=1)
 def foci() -> tuple[Focus, ...]:
     """Compute every condition of the thick plates."""
-    found = []
+    result = []
     for thickness_m in THICKNESSES_M:
         for diameter_m in DIAMETERS_M:
             screen = rig(diameter_m, thickness_m)
             for f_max_hz in F_MAX_HZ:
                 emission = replace(RIG_BAND, band=Band(0.0, f_max_hz))
                 width_m = float(resolution_per_focus_m(screen, FOCI_M, emission).mean())
-                heard = [emission.responses(screen, [at_m]) for at_m in FOCI_M]
-                amplitude_m = float(np.mean([focus_amplitude(emission.drive(one), one) for one in heard]))
+                responses = [emission.responses(screen, [at_m]) for at_m in FOCI_M]
+                amplitude_m = float(np.mean([focus_amplitude(emission.drive(one), one) for one in responses]))
                 law_m = resolution_m(screen.plate, emission.band)
-                found.append(Focus(thickness_m, diameter_m, f_max_hz, width_m, amplitude_m, law_m))
-    return tuple(found)
+                result.append(Focus(thickness_m, diameter_m, f_max_hz, width_m, amplitude_m, law_m))
+    return tuple(result)
 
 
 def widths() -> Iterator[Number]:

@@ -117,9 +117,9 @@ def _ranks(outcomes: pd.DataFrame) -> dict[str, Any]:
     middle = pd.Series((ranks > (1 - COVERAGE) / 2) & (ranks < (1 + COVERAGE) / 2))
     counts = np.histogram(ranks, N_BINS, (0.0, 1.0))[0]
     bins = {f"bin_{place:02d}": int(n) for place, n in enumerate(counts, 1)}
-    found = _share(middle, COVERAGE)
-    verdict = "not uniform" if p < ALPHA else found["verdict"]
-    return found | {"verdict": verdict, "sets": len(ranks), "p": p} | bins
+    result = _share(middle, COVERAGE)
+    verdict = "not uniform" if p < ALPHA else result["verdict"]
+    return result | {"verdict": verdict, "sets": len(ranks), "p": p} | bins
 
 
 ESTIMATES = Kind(

@@ -35,22 +35,22 @@ def write_figures(found: Validated, folder: Path, *, as_pixels: bool) -> None:
 
 def shares(check: Check, table: pd.DataFrame) -> Drawing:
     """Plot the share in each row with its 95 % interval."""
-    found = table[table["n"] > 0]
-    methods = _distinct(found, check.reason_key)
+    result = table[table["n"] > 0]
+    methods = _distinct(result, check.reason_key)
     others = [key for key in check.keys if key != check.reason_key]
-    row_labels = pd.Series([_label(row, others) for row in found.to_dict("records")], index=found.index)
+    row_labels = pd.Series([_label(row, others) for row in result.to_dict("records")], index=result.index)
     labels = list(dict.fromkeys(row_labels))
     with new_figure(WIDTH_IN, TOP_IN + ROW_IN * max(len(labels), 4) + 0.12 * len(methods)) as figure:
         axes = figure.add_subplot()
         apart = 0.8 / len(methods)
         for place, method in enumerate(methods):
-            rows = found[found[check.reason_key] == method]
+            rows = result[result[check.reason_key] == method]
             y = row_labels[rows.index].map(labels.index) + apart * (place - (len(methods) - 1) / 2)
             x = 100 * rows["share"]
             reach = [x - 100 * rows["low"], 100 * rows["high"] - x]
             style = look(place) | {"linestyle": "", "markersize": 3.0, "elinewidth": 0.8}
             axes.errorbar(x, y, xerr=np.maximum(reach, 0.0), label=str(method), **style)
-        for stated in sorted(set(found["stated"].dropna())):
+        for stated in sorted(set(result["stated"].dropna())):
             axes.axvline(100 * stated, color=GREY, linewidth=0.8, linestyle="--")
         axes.set_yticks(range(len(labels)), labels)
         axes.set_ylim(len(labels) - 0.4, -0.6)

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.tasks.cells import Cell, cells, estimates
-from tactometry.analysis.tasks.task_analysis import CURVES
+from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.tasks.cells import cells, estimates
+from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.threshold.band import CurveBand, curve_band
 from tactometry.analysis.threshold.estimates import ThresholdFit
 from tactometry.analysis.wording import (
@@ -138,13 +139,13 @@ def _words(answers: Answers, fit: ThresholdFit) -> str:
     >>> _words(of, fit_of(of))
     '60 answers at 5 levels; point of subjective equality 40.0 [39.2, 40.8] dB, standard 40 dB (95 % interval).'
     """
-    found = f"{answers.n} answers at {count_of(len(answers.cell.levels), 'level')}"
+    result = f"{answers.n} answers at {count_of(len(answers.cell.levels), 'level')}"
     if fit.threshold is None:
         ends = fit.interval_low, fit.interval_high
         interval = "" if ends == (None, None) else f"; 95 % interval {in_unit(ends_text(*ends), answers.unit)}"
-        return f"{found}; {fit.note}{interval}."
+        return f"{result}; {fit.note}{interval}."
     name = dependent_name(CURVES[answers.cell.task].dependents[0])
     threshold = in_unit(interval_text(fit.threshold, fit.interval_low, fit.interval_high), answers.unit)
     standard = "" if answers.standard is None else f", standard {in_unit(plain_text(answers.standard), answers.unit)}"
     note = f"; {fit.note}" if fit.note else ""
-    return f"{found}; {name} {threshold}{standard} ({percent_text(fit.interval)} interval){note}."
+    return f"{result}; {name} {threshold}{standard} ({percent_text(fit.interval)} interval){note}."

@@ -180,17 +180,17 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
 
 def _bound(port: int) -> socket.socket:
     """Return a socket bound to a loopback port."""
-    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    result = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
-        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        found.bind((LOOPBACK, port))
-        found.listen()
+        result.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        result.bind((LOOPBACK, port))
+        result.listen()
     except OSError as error:
-        found.close()
+        result.close()
         raise DeviceFailed(
             f"--port: cannot listen at {LOOPBACK}:{port} ({error.strerror}), expected a free port; leave the option out"
         ) from None
-    return found
+    return result
 
 
 def _end_with(stream: BinaryIO, server: Any) -> None:

@@ -54,14 +54,14 @@ def alerts(sight: Sight) -> list[str]:
     """Return the alerts at the top of the page."""
     progress = sight.progress
     warning = None if sight.complete else progress.warning(sight.parts)
-    found = [sight.problem, f"Careful: {warning}." if warning else ""]
+    result = [sight.problem, f"Careful: {warning}." if warning else ""]
     if sight.state == "ended without closing":
-        found.append("The session ended without closing: no process records it; continue with run --resume.")
+        result.append("The session ended without closing: no process records it; continue with run --resume.")
     elif progress.paused is not None and not (sight.complete or sight.halted):
-        found.append(f"Paused: {progress.paused}.")
+        result.append(f"Paused: {progress.paused}.")
     if sight.halted:
-        found.append(f"Stopped: {' '.join(progress.stopped[-1:])}; continue with run --resume.")
-    return [*filter(None, found), *(f"{text[:1].upper()}{text[1:]}." for text in progress.aborted)]
+        result.append(f"Stopped: {' '.join(progress.stopped[-1:])}; continue with run --resume.")
+    return [*filter(None, result), *(f"{text[:1].upper()}{text[1:]}." for text in progress.aborted)]
 
 
 @dataclass(frozen=True)

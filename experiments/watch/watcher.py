@@ -122,8 +122,8 @@ class Watcher:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.root, self._clock = root, clock
-        asked = {"participant": participant, "session": None if session is None else str(session)}
-        self._wanted = {key: value for key, value in asked.items() if value is not None}
+        requested = {"participant": participant, "session": None if session is None else str(session)}
+        self._wanted = {key: value for key, value in requested.items() if value is not None}
         self._follower: Follower | None = None
         self._sight = Sight()
         self._around_s = self._again_s = self._alive_s = -float("inf")

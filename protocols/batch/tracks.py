@@ -147,11 +147,11 @@ def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delive
     logs, weights = (np.tile(each, (len(criteria), 1)) for each in (prior.log_weights, prior.weights))
     n_trials = min(criteria.shape[1], rule.n_trials)
     for n in range(n_trials):
-        asked = rule.places(logs, weights)
-        levels = delivery(asked)
+        requested = rule.places(logs, weights)
+        levels = delivery(requested)
         felt = levels if table is None else table.at(levels, going)
         answers = (felt[:, None] > criteria[going, n]).sum(axis=1, dtype=np.int8)
-        made.asked[going, n], made.levels[going, n], made.answers[going, n] = asked, levels, answers
+        made.asked[going, n], made.levels[going, n], made.answers[going, n] = requested, levels, answers
         learnt = logs + rule.log_likelihoods(levels, answers)
         possible = np.isfinite(learnt.max(axis=1))
         learnt[~possible] = logs[~possible]  # impossible answers leave the weights unchanged
@@ -196,14 +196,14 @@ def loop_of(transition: Transition) -> Callable[..., None]:
     def loop(rule, output, table, criteria, results):  # type: ignore[no-untyped-def]
         _ = stamp
         (numbers, orders), (step, low, high), (places, felt) = rule, output, table
-        asked, levels, answers, marks, endings, thresholds = results
+        requested, levels, answers, marks, endings, thresholds = results
         n_sets, n_trials = criteria.shape
         for i in range(n_sets):
             order, row, n = orders[i % len(orders)], felt[i % len(felt)], 0
             state, ending = start(numbers, order), GOES_ON
             while ending == GOES_ON and n < n_trials:
-                asked[i, n] = level_of(numbers, order, state)
-                levels[i, n] = delivered_at(asked[i, n], step, low, high)
+                requested[i, n] = level_of(numbers, order, state)
+                levels[i, n] = delivered_at(requested[i, n], step, low, high)
                 answers[i, n] = felt_at(levels[i, n], places, row) > criteria[i, n]
                 n += 1
                 state, marks[i, n - 1] = after(numbers, order, state, answers[i, :n], levels[i, :n])

@@ -121,11 +121,11 @@ class Quest(WeighingRule):
         return np.where(reached, self.thresholds[right], slope * (orders - below) + self.thresholds[left])
 
     def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
-        distances, found = self.grid.distances(levels.tolist()), np.empty((len(levels), len(self.thresholds)))
+        distances, result = self.grid.distances(levels.tolist()), np.empty((len(levels), len(self.thresholds)))
         for answer in (0, 1):
             chosen = answers == answer
-            found[chosen] = self.grid.log_likelihood_at(distances[chosen], answer).reshape(-1, len(self.thresholds))
-        return found
+            result[chosen] = self.grid.log_likelihood_at(distances[chosen], answer).reshape(-1, len(self.thresholds))
+        return result
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
         return self.grid.log_likelihood(level, outcome)

@@ -126,10 +126,10 @@ class QuestPlus(WeighingRule):
     def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
         index = {level: n for n, level in enumerate(self.levels)}
         places = np.array([index.get(level, -1) for level in levels.tolist()], dtype=np.intp)
-        found = np.asarray(self.dense.logarithms[answers, places])
+        result = np.asarray(self.dense.logarithms[answers, places])
         for n in np.flatnonzero(places < 0):  # the delivered level is not a candidate
-            found[n] = self.grid.log_likelihood(float(levels[n]), int(answers[n]))
-        return found
+            result[n] = self.grid.log_likelihood(float(levels[n]), int(answers[n]))
+        return result
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
         tabled = self.likelihoods.log_likelihood(self.levels.index(level), outcome) if level in self.levels else None

@@ -44,8 +44,8 @@ def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Componen
     discarded as rounding errors.
 
     >>> t = np.arange(4000) / 4000
-    >>> found = components(3 + 0.5 * np.sin(2 * np.pi * 60 * t), 4000.0)
-    >>> found.frequencies_hz.round(3).tolist(), found.amplitudes.round(3).tolist()
+    >>> result = components(3 + 0.5 * np.sin(2 * np.pi * 60 * t), 4000.0)
+    >>> result.frequencies_hz.round(3).tolist(), result.amplitudes.round(3).tolist()
     ([60.0], [0.5])
     """
     x = np.asarray(samples, dtype=np.float64)

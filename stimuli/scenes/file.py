@@ -81,13 +81,13 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
     >>> scene_of({"outputs": ["voltage_v"], "surface": tone}).scene.surface.frequency_hz
     240.0
     """
-    found = Gathered()
-    stated = as_si(dict(table), "", found)
-    with found.part():
+    result = Gathered()
+    stated = as_si(dict(table), "", result)
+    with result.part():
         tables = build(SceneTables, stated, "")
-    with found.part():
+    with result.part():
         surface, effects, contacts = _parts(stated)
-    found.end()
+    result.end()
     try:
         scene = Scene(surface, effects, tables.outputs, tables.accuracy, contacts, tables.settings or {})
     except InvalidParameter as error:
@@ -100,13 +100,13 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
 
 def _parts(stated: Mapping[str, Any]) -> tuple[Any, tuple[Effect, ...], tuple[FingerContact, ...]]:
     """Build the surface, effects and contacts of a scene."""
-    found, surface = Gathered(), None
+    result, surface = Gathered(), None
     if isinstance(stated.get("surface"), Mapping):
-        with found.part():
+        with result.part():
             surface = build_kind(stated["surface"], "surface", SURFACES)
-    effects = _all_of(stated, "effects", lambda table, path: build_kind(table, path, EFFECTS), found)
-    contacts = _all_of(stated, "contacts", partial(build, FingerContact), found)
-    found.end()
+    effects = _all_of(stated, "effects", lambda table, path: build_kind(table, path, EFFECTS), result)
+    contacts = _all_of(stated, "contacts", partial(build, FingerContact), result)
+    result.end()
     return surface, effects, contacts
 
 

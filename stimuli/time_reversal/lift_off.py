@@ -115,16 +115,16 @@ def one_sided_contacts(
     shape("one_sided_contacts.force_n", force_n, (len(loads),))
     positive("one_sided_contacts", force_n=float(force_n.min(initial=1.0)))
     for skin in loads:
-        found = f"a mass of {skin.mass_kg} kg and a resistance of {skin.resistance_n_s_per_m} N s/m"
+        result = f"a mass of {skin.mass_kg} kg and a resistance of {skin.resistance_n_s_per_m} N s/m"
         expected = "no mass and a resistance above 0"
-        expect(skin.mass_kg == 0 and skin.resistance_n_s_per_m != 0, "one_sided_contact.finger", found, expected)
+        expect(skin.mass_kg == 0 and skin.resistance_n_s_per_m != 0, "one_sided_contact.finger", result, expected)
     places = [(skin.x_m, skin.y_m) for skin in loads]
     alone = replace(screen, sources=tuple(PointForce(*place) for place in places))
     long_s = free_m.shape[1] / rate_hz
-    heard = impulse_responses(alone, places, rate_hz=2 * rate_hz, duration_s=long_s, f_max_hz=f_max_hz)
+    responses = impulse_responses(alone, places, rate_hz=2 * rate_hz, duration_s=long_s, f_max_hz=f_max_hz)
 
     # compliance (m/N) at 0.5, 1.5, ... steps after the start of a force that lasts one step
-    compliance = np.asarray(2 * heard.samples[..., 1::2])
+    compliance = np.asarray(2 * responses.samples[..., 1::2])
     compliance[:, :, 0] += 0.0 if still_m_per_n is None else still_m_per_n
     damping = rate_hz * np.array([skin.resistance_n_s_per_m for skin in loads])
     spring = np.array([skin.stiffness_n_per_m for skin in loads]) / 2

@@ -70,10 +70,10 @@ class Bounds(NamedTuple):
         return is_number(value) and -self.high <= value <= self.high
 
     def array(self, value: Any, kinds: str = "iuf") -> bool:
-        found = as_array(value)
-        if found is None or found.dtype.kind not in kinds:
+        result = as_array(value)
+        if result is None or result.dtype.kind not in kinds:
             return False
-        return _all_within(found, self.high) or bool(self.good(found).all())
+        return _all_within(result, self.high) or bool(self.good(result).all())
 
 
 @functools.cache
@@ -231,7 +231,7 @@ T = TypeVar("T", bound=Callable[..., Any])
 def checked(thing: T) -> T:
     """Make a function, or a class with its methods, check its arguments.
 
-    A number must be finite and within the domain of its name (`magnitudes`). It must not be True or False. An
+    A number must be finite and within the domain of its name (`constraints.domain`). It must not be True or False. An
     `Unbounded` number may be infinite, and a `Positive` number is above 0. Where an array is annotated, a list becomes
     an array. An array may have any number of dimensions. A `Vector` has one dimension and at least one number, a
     `Matrix` two dimensions.
@@ -303,9 +303,9 @@ def _refusal(where: str, value: Any, rule: AnnotationRule) -> InvalidParameter:
         for place, part in parts_of(value):
             if not rule.part.fits(part):
                 return _refusal(f"{where}[{place!r}]", part, rule.part)
-    found = as_array(value)
-    if rule.good is not None and found is not None and found.dtype.kind in "iufc":
-        return _refusal_of_numbers(where, found, rule, rule.good(found))
+    result = as_array(value)
+    if rule.good is not None and result is not None and result.dtype.kind in "iufc":
+        return _refusal_of_numbers(where, result, rule, rule.good(result))
     hint = nearest(value, rule.choices) if isinstance(value, str) else ""
     return InvalidParameter(f"{where}: found {excerpt(value)}, expected {rule.words}{hint}")
 

@@ -1,7 +1,7 @@
 """Checks of arguments, whose errors state place and expected value.
 
 Functions for numbers accept the owner and then the numbers as keyword arguments, whose names contain the unit and so
-the allowed magnitude (`magnitudes`). Functions for a single value or an array accept the place at the beginning of the
+the allowed magnitude (`constraints`). Functions for a single value or an array accept the place at the beginning of the
 message, then the value.
 """
 
@@ -175,10 +175,10 @@ def as_array(values: Any) -> NDArray[Any] | None:
 
 def array(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """Return an array of numbers. Infinity and NaN are allowed."""
-    found = as_array(values)
-    if found is None or found.dtype.kind not in "iuf":
+    result = as_array(values)
+    if result is None or result.dtype.kind not in "iuf":
         raise InvalidParameter(f"{where}: found {excerpt(values)}, expected finite numbers")
-    return np.asarray(found, dtype=np.float64)
+    return np.asarray(result, dtype=np.float64)
 
 
 def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -204,25 +204,25 @@ def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False)
 
 def samples(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """Return a finite array (..., n_samples) with at least one sample."""
-    found = finite_array(where, values)
-    expect(found.ndim > 0 and found.size > 0, where, f"shape {found.shape}", "(..., n_samples), at least one sample")
-    return found
+    result = finite_array(where, values)
+    expect(result.ndim > 0 and result.size > 0, where, f"shape {result.shape}", "(..., n_samples), at least one sample")
+    return result
 
 
 def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """Return a row of at least two finite, ascending numbers."""
-    found = finite_array(where, values)
-    rises = found.ndim == 1 and len(found) >= 2 and (np.diff(found) > 0).all()
-    expect(rises, where, f"shape {found.shape} not in ascending order", "two or more ascending numbers")
-    return found
+    result = finite_array(where, values)
+    rises = result.ndim == 1 and len(result) >= 2 and (np.diff(result) > 0).all()
+    expect(rises, where, f"shape {result.shape} not in ascending order", "two or more ascending numbers")
+    return result
 
 
 def shape(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
     """Require a shape, in which None matches any length."""
-    found = np.shape(values)
-    if len(found) != len(shape) or any(n not in (m, None) for m, n in zip(found, shape, strict=True)):
+    result = np.shape(values)
+    if len(result) != len(shape) or any(n not in (m, None) for m, n in zip(result, shape, strict=True)):
         words = ", ".join("any" if n is None else str(n) for n in shape)
-        raise InvalidParameter(f"{where}: found shape {found}, expected ({words})")
+        raise InvalidParameter(f"{where}: found shape {result}, expected ({words})")
 
 
 def in_range(where: str, result: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -245,12 +245,12 @@ def _within(range_of: Callable[[str], NumberRange], owner: str, values: Mapping[
 
 
 def _array_within(where: str, values: ArrayLike, allowed: NumberRange) -> NDArray[np.float64]:
-    found = array(where, values)
-    if not found.size or (found.min() >= allowed.low and found.max() <= allowed.high):
-        return found
+    result = array(where, values)
+    if not result.size or (result.min() >= allowed.low and result.max() <= allowed.high):
+        return result
 
-    place = tuple(int(i) for i in np.argwhere(~((found >= allowed.low) & (found <= allowed.high)))[0])
-    number = found[place]
+    place = tuple(int(i) for i in np.argwhere(~((result >= allowed.low) & (result <= allowed.high)))[0])
+    number = result[place]
     words = allowed.sized if isfinite(number) and number > allowed.floor else allowed.expected
     raise InvalidParameter(f"{where}{list(place) if place else ''}: found {number}, expected {words}")
 
@@ -306,8 +306,8 @@ def check_highest(path: str, value: float) -> None:
     """
     highest = HIGHEST[path.rpartition(".")[2]]
     if value > highest:
-        found = value if isinstance(value, int) else f"{value:.6g}"
-        raise InvalidParameter(f'{path}: found {found}, expected at most {highest:g}, or "{WORD}"')
+        result = value if isinstance(value, int) else f"{value:.6g}"
+        raise InvalidParameter(f'{path}: found {result}, expected at most {highest:g}, or "{WORD}"')
 
 
 def warning_of(key: str) -> str:

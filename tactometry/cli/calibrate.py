@@ -195,8 +195,8 @@ def display(bar_m: float | None, bench_path: Path | None, *, write: bool) -> Non
     """
     expect(bench_path is not None or not write, "--write", "no bench file", "--bench FILE, the file to write")
     screen = load_bench(bench_path).screen  # report errors of the file before measuring
-    found = {"height_m": calibration.display_height_m(_ask_bar_m(screen.screen) if bar_m is None else bar_m)}
-    _tell("screen", found, [], found, bench_path, write=write)
+    result = {"height_m": calibration.display_height_m(_ask_bar_m(screen.screen) if bar_m is None else bar_m)}
+    _tell("screen", result, [], result, bench_path, write=write)
 
 
 def _ask_bar_m(screen: int) -> float:
@@ -257,8 +257,8 @@ def responses(**asked: Any) -> None:
     # confirmed last, because no force gate stops a sweep
     if bench.output.settings.connected and not (asked["hands_off"] or hands_are_off()):
         raise InvalidParameter("--hands-off: found no confirmation, expected one before a sweep; nothing was played")
-    heard = _learn(learning, devices.output, reader, asked)
-    learnt, qualities = join([each.mean for each, _ in heard]), [found for _, found in heard]
+    recorded = _learn(learning, devices.output, reader, asked)
+    learnt, qualities = join([each.mean for each, _ in recorded]), [result for _, result in recorded]
     responses = as_displacement(learnt, *asked["band_hz"])
     provenance = _provenance(asked, learning, devices.output.name, reader.source.name)
     provenance["recorded_quantity"] = learnt.quantity
@@ -269,9 +269,9 @@ def responses(**asked: Any) -> None:
     _draw("responses_figure", responses, asked["figure"])
     kept = f"{responses.n_channels} responses of {responses.duration_s:g} s at {responses.rate_hz:g} Hz"
     record = {"file": str(out), "n_channels": responses.n_channels, **provenance}
-    each = {"channels": [found._asdict() for found in qualities]}
-    said = f"signal to noise: {_in_db(worst.snr_db)}, repeatability: {worst.repeatability:.4f}, of the worst channel"
-    remarks = [f"{out}: {kept}", said]
+    each = {"channels": [result._asdict() for result in qualities]}
+    stated = f"signal to noise: {_in_db(worst.snr_db)}, repeatability: {worst.repeatability:.4f}, of the worst channel"
+    remarks = [f"{out}: {kept}", stated]
     _tell("time_reversal", {"responses": str(out)}, remarks, record | each, asked["bench_path"], write=asked["write"])
 
 

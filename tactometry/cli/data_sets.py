@@ -99,13 +99,13 @@ def erase(path: Path, participant: str, *, yes: bool, dry_run: bool) -> int:
     """
     from tactometry.experiments.data_sets import erasing
 
-    found = erasing.find(path, participant)
+    result = erasing.find(path, participant)
     if not dry_run:
-        if not (yes or _is_wanted(path, found)):
-            say(f"{path}: nothing was erased", _record(found, path, dry_run=True))
+        if not (yes or _is_wanted(path, result)):
+            say(f"{path}: nothing was erased", _record(result, path, dry_run=True))
             return 1
-        found = erasing.erase(path, participant)
-    say("\n".join(_text(path, found, dry_run=dry_run)), _record(found, path, dry_run=dry_run))
+        result = erasing.erase(path, participant)
+    say("\n".join(_text(path, result, dry_run=dry_run)), _record(result, path, dry_run=dry_run))
     return 0
 
 

@@ -44,11 +44,11 @@ def command(name: str | None) -> None:
     if name is None:
         say(_names(list(tables())), list(tables()))
         return
-    found = find(name)
-    if len(found) > 1 and found[0].name != name:
-        say("\n".join(table.name for table in found), [table.name for table in found])
+    result = find(name)
+    if len(result) > 1 and result[0].name != name:
+        say("\n".join(table.name for table in result), [table.name for table in result])
         return
-    say("\n\n".join(map(_text, found)), [_record(table) for table in found])
+    say("\n\n".join(map(_text, result)), [_record(table) for table in result])
 
 
 def _shipped_texts() -> dict[str, str]:

@@ -62,19 +62,19 @@ def command(
     design = replace(design, dependent=check_design(design))
     folder = None if out is None else Folder.prepared(out, design, resume=resume, keeps_data=keep_data)
     with workers(n_jobs, scheduler) as spread:
-        found = power(design, spread, folder, _tell)
+        result = power(design, spread, folder, _tell)
     if out is not None:
         from tactometry.experiments.power.analysis import write_page
 
-        write_page(found, out)
+        write_page(result, out)
     record = {
-        "asked": asked(found.design),
-        "points": [asdict(point) for point in found.points],
-        "recommendation": found.recommendation,
-        "cautions": list(found.cautions),
+        "asked": asked(result.design),
+        "points": [asdict(point) for point in result.points],
+        "recommendation": result.recommendation,
+        "cautions": list(result.cautions),
         "out": None if out is None else str(out),
     }
-    say(_text(found, out), record)
+    say(_text(result, out), record)
 
 
 def _tell(batch: Batch) -> None:

@@ -32,8 +32,8 @@ def command(study: str, *, allow_code: bool) -> None:
     from tactometry.experiments.study.study_file import folder_of, load
 
     code_from: Path | None = folder_of(study) if allow_code else None
-    found = sources_of(wire(load(study)[0], study, code_from))
-    say("\n".join(_lines(study, found)), _record(found))
+    result = sources_of(wire(load(study)[0], study, code_from))
+    say("\n".join(_lines(study, result)), _record(result))
 
 
 def _lines(study: str, found: "StudySources") -> Iterator[str]:

@@ -39,16 +39,16 @@ def command(
         one_of("--check", check, tuple(CHECKS))
     validation = Validation(checks=tuple(dict.fromkeys(checks)) or tuple(CHECKS), **options)
     with workers(n_jobs, scheduler) as spread:
-        found = validate(validation, out, resume=resume, spread=spread, tell=partial(progress, what="validating"))
-    _write(found, out / PAGE, as_pixels=True)
+        result = validate(validation, out, resume=resume, spread=spread, tell=partial(progress, what="validating"))
+    _write(result, out / PAGE, as_pixels=True)
     if page is not None:
-        _write(found, page, as_pixels=False)
+        _write(result, page, as_pixels=False)
     record = {
-        "asked": found.validation.asked | {"rounds": found.validation.n_rounds},
-        "tables": {name: table.to_dict("records") for name, table in found.tables.items()},
-        "processor_s": dict(found.seconds),
+        "asked": result.validation.asked | {"rounds": result.validation.n_rounds},
+        "tables": {name: table.to_dict("records") for name, table in result.tables.items()},
+        "processor_s": dict(result.seconds),
     }
-    say(_text(found, out), record)
+    say(_text(result, out), record)
 
 
 def _write(found: Validated, path: Path, *, as_pixels: bool) -> None:

@@ -129,8 +129,10 @@ def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -
         held = json_object(path, f"the request of a {work}; choose another --out")
         other = next((name for name, value in wanted.items() if held.get(name) != value), None)
         if other is not None:
-            found, asked = held.get(other), wanted[other]
-            raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as requested; choose another --out")
+            result, requested = held.get(other), wanted[other]
+            raise InvalidFile(
+                f"{path}: found {other} {result!r}, expected {requested!r} as requested; choose another --out"
+            )
         if not resume:
             raise InvalidFile(f"{root}: found this {work}, expected an empty folder; continue with --resume")
     make_folder(root)

@@ -173,9 +173,9 @@ class Touches:
 
     def touch(self, request: Press | Slide) -> KeptTouch:
         """Return the next touch of this trial."""
-        asked = replace(request, stimulus="", level=None, interval=None)
-        if self._rng is None and (self._n_touches == 0 or asked == self._asked):
-            return self._next(asked)
+        requested = replace(request, stimulus="", level=None, interval=None)
+        if self._rng is None and (self._n_touches == 0 or requested == self._asked):
+            return self._next(requested)
         (one,) = kept_touches(self._finger, request, self.rng.standard_normal((1, self._finger.n_draws(request))))
         return one
 

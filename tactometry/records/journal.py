@@ -110,10 +110,10 @@ class Recording:
     @property
     def wanted(self) -> tuple[Intervention, ...]:
         """Interventions that the session never carried out."""
-        asked = (intervention_of(event) for event in self.events)
+        requested = (intervention_of(event) for event in self.events)
         answers = (entry.answer for entry in self.entries if isinstance(entry.answer, Done))
         carried = (each for answer in answers for each in answer.interventions)
-        return left((each for each in asked if each is not None), carried)
+        return left((each for each in requested if each is not None), carried)
 
 
 def consequence(line: Line) -> Event | None:
@@ -339,8 +339,8 @@ class Follower:
 
     def _look(self) -> News | None:
         with self.path.open("rb") as file:  # opened first, so that the checked file is the one that is read
-            found = os.fstat(file.fileno())
-            stamp = found.st_ino, found.st_size, found.st_mtime_ns
+            result = os.fstat(file.fileno())
+            stamp = result.st_ino, result.st_size, result.st_mtime_ns
             if stamp == self._stamp:
                 return None
             file.seek(self._place.n_bytes - len(self._last))

@@ -54,8 +54,8 @@ def keyboard_of_script(psychopy: SimpleNamespace) -> Any:
 
 
 def _lossy(keyboard: Any, cure: str) -> DeviceFailed:
-    found = f"found the back end {keyboard.getBackend()!r}, which loses answers, expected 'ptb'"
-    return DeviceFailed(f"keyboard: {found}; {cure}")
+    result = f"found the back end {keyboard.getBackend()!r}, which loses answers, expected 'ptb'"
+    return DeviceFailed(f"keyboard: {result}; {cure}")
 
 
 N_REMEMBERED = 256

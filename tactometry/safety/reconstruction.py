@@ -95,16 +95,18 @@ def _blocks(course: FloatArray, after: Literal["constant", "edge"]) -> _Floats:
 def _search(courses: list[_Floats], weights: tuple[float, float], bound: float) -> float:
     """Return the peak of all blocks, or 0 if none can exceed the bound."""
     of_course, of_change = (np.float32(weight) * each.spectra for weight, each in zip(weights, _kernels(), strict=True))
-    spectra, found = of_course + of_change, 0.0
+    spectra, result = of_course + of_change, 0.0
     for first in range(0, len(courses[0]), AT_ONCE):
         samples, *added = (blocks[first : first + AT_ONCE] for blocks in courses)
         second = np.diff(samples, n=2, axis=1)
         differences = _peaks(second), _peaks(np.diff(second, n=2, axis=1))
-        left = _upper_bounds(samples, weights, differences, *added) > max(bound, found)
+        left = _upper_bounds(samples, weights, differences, *added) > max(bound, result)
         if left.any():
             bend = _by_differences([kernel.bent for kernel in _kernels()], weights, differences)[left]
-            found = max(found, _peak(spectra, max(bound, found), samples[left], bend, *(each[left] for each in added)))
-    return found
+            result = max(
+                result, _peak(spectra, max(bound, result), samples[left], bend, *(each[left] for each in added))
+            )
+    return result
 
 
 def _upper_bounds(
@@ -137,20 +139,20 @@ def _peak(
 
     `bend` bounds the second derivative of each block.
     """
-    spectra, found, best, step = np.fft.rfft(samples), np.zeros(len(samples)), 0.0, N_PHASES
-    while step > 1 and len(found):
+    spectra, result, best, step = np.fft.rfft(samples), np.zeros(len(samples)), 0.0, N_PHASES
+    while step > 1 and len(result):
         for phase in (0, step // 2) if step == N_PHASES else range(step // 2, N_PHASES, step):
             points: _Floats = np.fft.irfft(spectra * kernels[phase], BLOCK)[:, _INNER].astype(np.float32, copy=False)
             if added is not None:
                 points += _between(added, phase / N_PHASES)
-            found = np.maximum(found, _peaks(points))
+            result = np.maximum(result, _peaks(points))
         step //= 2
-        best = max(best, float(np.max(found)))
+        best = max(best, float(np.max(result)))
         from_point = step / N_PHASES / 2
         # Duffin and Schaeffer: d samples from its peak M, a course is at least M cos(pi d)
-        highest = np.minimum(found / math.cos(math.pi * from_point), found + bend * from_point**2 / 2)
+        highest = np.minimum(result / math.cos(math.pi * from_point), result + bend * from_point**2 / 2)
         left = highest + ROUNDING > max(bound, best)
-        spectra, found, bend = spectra[left], found[left], bend[left]
+        spectra, result, bend = spectra[left], result[left], bend[left]
         added = None if added is None else added[left]
     return best
 

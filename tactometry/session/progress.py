@@ -85,16 +85,16 @@ class TrackProgress:
     @property
     def reversals(self) -> tuple[Trial, ...]:
         """Trials at which the levels of a staircase changed direction."""
-        found: list[Trial] = []
+        result: list[Trial] = []
         last, direction = None, 0.0
         for trial in (trial for trial in self.answered if trial.procedure in TURNING):
             if last is not None and last.level is not None and trial.level is not None:
                 step = trial.level - last.level
                 if step * direction < 0:
-                    found.append(last)
+                    result.append(last)
                 direction = step or direction
             last = trial
-        return tuple(found)
+        return tuple(result)
 
     @property
     def n_attempts(self) -> int:

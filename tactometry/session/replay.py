@@ -15,9 +15,9 @@ OF_RECORDING = "use the study, seed and version with which it was recorded"
 
 def rows(requests: Iterable[Request[Any]]) -> tuple[Trial, ...]:
     """Return the rows that requests recorded, after all retractions."""
-    asked = tuple(requests)
-    retracted = {key for request in asked if isinstance(request, Intervene) for key in request.retracted}
-    return without((request.trial for request in asked if isinstance(request, Record)), retracted)
+    requested = tuple(requests)
+    retracted = {key for request in requested if isinstance(request, Intervene) for key in request.retracted}
+    return without((request.trial for request in requested if isinstance(request, Record)), retracted)
 
 
 class Replay:
@@ -97,15 +97,15 @@ class Replay:
         if not self.n_left:
             ended = f"the recording has ended, but the protocol requests {_name(request)}"
             raise self._divergence(f"{ended}; the session is not complete: continue with --resume")
-        asked = self._as_kept(request)  # older journals recorded fewer fields of a request
-        n_passed = self._pages_before(asked)
+        requested = self._as_kept(request)  # older journals recorded fewer fields of a request
+        n_passed = self._pages_before(requested)
         if n_passed is None:
             return Done(self._at_s)  # type: ignore[return-value]
         self._next += n_passed
         recorded, answer = self._entries[self._next]
-        asked = _in_its_languages(asked, recorded)
-        if asked != recorded:
-            raise self._divergence(f"{difference(recorded, asked)}; {OF_RECORDING}")
+        requested = _in_its_languages(requested, recorded)
+        if requested != recorded:
+            raise self._divergence(f"{difference(recorded, requested)}; {OF_RECORDING}")
         self._next += 1
         self._at_s = _ended_s(answer)
         recorded_answer: A = answer  # each answer has the type of its recorded request
@@ -126,7 +126,7 @@ def _in_its_languages(asked: Request[Any], recorded: Request[Any]) -> Request[An
         return asked
     questions = []
     for question, then in zip(asked.questions, recorded.questions, strict=True):
-        words = {language: said for language, said in question.words.items() if language in then.words}
+        words = {language: stated for language, stated in question.words.items() if language in then.words}
         questions.append(replace(question, words=words))
     return replace(asked, questions=tuple(questions))
 

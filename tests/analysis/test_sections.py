@@ -7,17 +7,8 @@ from tactometry.analysis.figures.style import Drawing, drawing_of, new_figure
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report import page, summary as json, terminal
-from tactometry.analysis.report.section import (
-    KINDS,
-    Details,
-    Figure,
-    Lead,
-    ResultKind,
-    Section,
-    TextTable,
-    grid,
-    rows_of,
-)
+from tactometry.analysis.report.kinds import KINDS
+from tactometry.analysis.report.section import Details, Figure, Lead, ResultKind, Section, TextTable, grid, rows_of
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 

@@ -10,9 +10,10 @@ from command_line import output
 from scipy.stats import norm, t as student, ttest_1samp
 
 from tactometry.analysis.figures.curves import MAX_PANELS, Panel, curve_figure
-from tactometry.analysis.tasks.cells import Cell, Estimate, estimates
+from tactometry.analysis.tasks.cell import Cell, Estimate
+from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.tasks.comparison import FIT
-from tactometry.analysis.tasks.goodness import lapse_table, lapse_warnings
+from tactometry.analysis.tasks.lapses import lapse_table, lapse_warnings
 from tactometry.analysis.tasks.standard import floor_warnings, lowest_levels, standard_sentences, standard_tests
 from tactometry.analysis.threshold.equality import equalities, fit_comparisons
 from tactometry.analysis.threshold.fitting import fitting

@@ -13,7 +13,8 @@ from scipy.stats import binom
 from soak import SOAK
 
 from tactometry.analysis.outcomes.hierarchical_outcome import group_fit
-from tactometry.analysis.tasks.cells import Cell, estimates
+from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.threshold.fitting import METHODS, Status, fit, fit_many, log_posterior
 from tactometry.analysis.threshold.mode import _without, climb, convex_solve, find_mode
 

@@ -16,7 +16,8 @@ from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.report.texts import hierarchical_sentences
-from tactometry.analysis.tasks.cells import Cell, estimates
+from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.tasks.cells import estimates
 
 CONDITIONS = {(0.5,): 20.0, (3.0,): 16.0}
 

@@ -10,7 +10,7 @@ import pytest
 from command_line import output
 from soak import SOAK
 
-from tactometry.analysis.tasks.task_analysis import ANALYSES
+from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.experiments.data_sets.export import export
 from tactometry.questionnaire import load
 

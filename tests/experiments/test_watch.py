@@ -13,7 +13,7 @@ from places import RECORDED
 from set_clock import Clock
 from tutorial_session import live
 
-from tactometry.analysis.tasks.task_analysis import CURVES
+from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.wording import interval_text
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.watch import view

@@ -83,7 +83,7 @@ RESULTS = {
     "RitzModes", "SeparableModes",
 }  # fmt: skip
 """Classes that functions return and nobody else makes."""
-OF_THE_PACKAGE = (("lift_off.one_sided_contacts", "still_m_per_n"), ("responses.plate_constants.decay_of", "kept"))
+OF_THE_PACKAGE = (("lift_off.one_sided_contacts", "still_m_per_n"), ("responses.measured.decay_of", "kept"))
 """Optional arguments that only the package passes."""
 PLACES = {"index": Place(0.10), "middle": Place(0.13)}
 AT = (0.1, 0.1)

@@ -7,8 +7,8 @@ from ...figures import psychophysics
 from ...figures.curves import curve_figure
 from ...result import Analysis
 from ...tasks.cells import MAX_LEVELS
-from ...tasks.goodness import LAPSES
-from ...tasks.task_analysis import CURVES
+from ...tasks.kinds import CURVES
+from ...tasks.lapses import LAPSES
 from ...wording import procedure_name
 from ..section import Details, Figure, ResultKind, Section, details, rows_of
 from ..texts import caption
@@ -30,8 +30,8 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         unfolding = (Details(title, (figure,), is_open=n < N_OPEN) for n, (title, figure) in drawn)
         table = analysis.tables["thresholds"]
         of_rules = [name for name in OF_RULES if table[name].notna().any()]
-        wanted = ("participant", *analysis.factors, *SHOWN, *of_rules)
-        estimates = table[[name for name in wanted if name in table.columns]]
+        required = ("participant", *analysis.factors, *SHOWN, *of_rules)
+        estimates = table[[name for name in required if name in table.columns]]
         yield Section("Participants", (*unfolding, details("All estimates", estimates, analysis.factors)))
 
 

@@ -10,8 +10,8 @@ from ...figures import psychophysics
 from ...outcomes.findings import Outcome
 from ...outcomes.hierarchical_outcome import HierarchicalOutcome
 from ...result import Analysis
+from ...tasks.kinds import CURVES
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
-from ...tasks.task_analysis import CURVES
 from ...wording import cross_table, dependent_name, dependent_title, in_words, interval_text, p_text, with_unit
 from ..section import Blocks, Figure, Folded, Heading, Lead, ResultKind, Section, Sentences, TextTable, details, grid
 from ..texts import caption, facts_of, hierarchical_sentences, means_text, outcome_sentences, primary_sentences

@@ -8,7 +8,7 @@ import pandas as pd
 from ...figures.psychophysics import share_figure
 from ...result import Analysis
 from ...tasks import preference
-from ...tasks.task_analysis import RESULTS
+from ...tasks.kinds import RESULTS
 from ..section import Content, Figure, Lead, ResultKind, Section, TextTable, details, grid, rows_of
 from ..texts import caption
 

@@ -43,9 +43,9 @@ def oversampling() -> Problem:
 def _emission(screen: Screen, rate_hz: float) -> Real:
     """Return displacements due to each one-bit channel (n_foci, n_channels)."""
     timing: dict[str, Any] = {"rate_hz": rate_hz, "duration_s": ONE_BIT_LASTS_S, "f_max_hz": ONE_BIT_TO_HZ}
-    heard = impulse_responses(screen, FOCI_M, **timing)
-    drives = [drive(heard.at_point(n), 1.0).samples[:, ::-1] for n in range(heard.n_points)]
-    return np.asarray(np.einsum("pqn,pqn->pq", np.array(drives), heard.samples))
+    responses = impulse_responses(screen, FOCI_M, **timing)
+    drives = [drive(responses.at_point(n), 1.0).samples[:, ::-1] for n in range(responses.n_points)]
+    return np.asarray(np.einsum("pqn,pqn->pq", np.array(drives), responses.samples))
 
 
 def _at_crossings(screen: Screen) -> Real:
@@ -98,11 +98,11 @@ def _spectrum(samples: NDArray[np.generic]) -> Complex:
 
 def reversal_amplitude() -> Problem:
     """Compare focus amplitudes at shorter reversal times with the longest one."""
-    heard = _responses()
+    responses = _responses()
     return _against_time(
         "loss of focus amplitude at a shorter reversal time T (one bit, tau = 3.5 ms)",
-        lambda reversal_s: focus_amplitude(drive(heard, 1.0, reversal_s=reversal_s), heard),
-        Reference("convolution with the whole drive, last sample", lambda: _emitted_m(heard), 6.2e-6),
+        lambda reversal_s: focus_amplitude(drive(responses, 1.0, reversal_s=reversal_s), responses),
+        Reference("convolution with the whole drive, last sample", lambda: _emitted_m(responses), 6.2e-6),
     )
 
 
@@ -111,11 +111,11 @@ def reversal_contrast() -> Problem:
 
     The contrast is the focus amplitude over the rms amplitude of the plate.
     """
-    heard = _responses()
+    responses = _responses()
     return _against_time(
         "loss of focus contrast (over the rms of the plate) at a shorter T (one bit, tau = 3.5 ms)",
-        partial(_contrast, heard),
-        Reference("exact time steps of the modes", lambda: _contrast_of_modes(heard), 1e-9),
+        partial(_contrast, responses),
+        Reference("exact time steps of the modes", lambda: _contrast_of_modes(responses), 1e-9),
     )
 
 

@@ -89,15 +89,15 @@ def finger_load() -> Problem:
 
 def _loaded_response(load: PlateLoad, factor: int) -> Real:
     timing = {"rate_hz": LOADED_RATE_HZ * factor, "duration_s": LOADED_LASTS_S, "f_max_hz": LOADED_TO_HZ}
-    found = loaded_responses(LOADED, [HEARD_M], [load], **timing)
-    return np.asarray(found.samples[0][:, ::factor] * timing["rate_hz"])
+    result = loaded_responses(LOADED, [HEARD_M], [load], **timing)
+    return np.asarray(result.samples[0][:, ::factor] * timing["rate_hz"])
 
 
 def _coupled_modes(load: PlateLoad) -> Real:
     from scipy.linalg import expm
 
     modes, mass_kg = LOADED.oscillators(LOADED_TO_HZ), LOADED.plate.mass_kg
-    at, heard = (values_at(LOADED, [place], LOADED_TO_HZ)[:, 0] for place in (PRESSED_M, HEARD_M))
+    at, responses = (values_at(LOADED, [place], LOADED_TO_HZ)[:, 0] for place in (PRESSED_M, HEARD_M))
     coupled = np.outer(at, at) / mass_kg
     inertia = np.eye(modes.n) + load.mass_kg * coupled
     stiffness = np.diag(modes.omega_rad_per_s**2) + load.stiffness_n_per_m * coupled
@@ -106,7 +106,7 @@ def _coupled_modes(load: PlateLoad) -> Real:
     step = expm(np.vstack([upper, -np.linalg.solve(inertia, np.hstack([stiffness, damping]))]) / LOADED_RATE_HZ)
     struck = np.linalg.solve(inertia, LOADED.modal_forces(LOADED_TO_HZ) / mass_kg)
     states = _powers(step, np.vstack([np.zeros_like(struck), struck]), round(LOADED_LASTS_S * LOADED_RATE_HZ))
-    return np.asarray((heard @ states[:, : modes.n]).T)
+    return np.asarray((responses @ states[:, : modes.n]).T)
 
 
 def lift_off() -> Problem:
@@ -125,14 +125,14 @@ def lift_off() -> Problem:
 
 def free_m(rate_hz: float, impulse_n_s: float = IMPULSE_N_S) -> Real:
     """Return the displacement (n_samples,) of the free plate after a tap."""
-    heard = impulse_responses(SMALL, [AT_M], rate_hz=rate_hz, duration_s=DURATION_S, f_max_hz=TO_HZ)
-    return np.asarray(heard.samples[0, 0] * rate_hz * impulse_n_s)
+    responses = impulse_responses(SMALL, [AT_M], rate_hz=rate_hz, duration_s=DURATION_S, f_max_hz=TO_HZ)
+    return np.asarray(responses.samples[0, 0] * rate_hz * impulse_n_s)
 
 
 def _displacement_m(factor: int) -> Real:
     rate_hz = RATE_HZ * factor
-    found = one_sided_contact(SMALL, AT_M, free_m(rate_hz), rate_hz, TO_HZ, FORCE_N)
-    return np.asarray(found.displacement_m[::factor])
+    result = one_sided_contact(SMALL, AT_M, free_m(rate_hz), rate_hz, TO_HZ, FORCE_N)
+    return np.asarray(result.displacement_m[::factor])
 
 
 def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, Real, int]:

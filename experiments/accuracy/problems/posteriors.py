@@ -110,9 +110,9 @@ def _equidistant(laplace: Laplace) -> Real:
     """Integrate on an equidistant grid of SDs, correlation and width."""
     ends = ((-6.0, 0.5, 15), (-6.0, 0.8, 15), (-2.5, 2.5, 9), (-1.5, 0.8, 17))
     axes = [np.linspace(low, high, n) for low, high, n in ends]
-    found = laplace(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes)))
-    weights = np.exp(found.log_density - found.log_density.max())
-    return _spreads(weights / weights.sum(), found)
+    result = laplace(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes)))
+    weights = np.exp(result.log_density - result.log_density.max())
+    return _spreads(weights / weights.sum(), result)
 
 
 def quest_plus_grid() -> Problem:

@@ -111,15 +111,15 @@ def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
     surface, (screen, cutoff_hz) = _surface(scene), _screen(scene)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.f_max_hz, surface.flank_hz)
     timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.f_max_hz}
-    heard = impulse_responses(screen, focus, **timing)
-    learnt = inaudible(band_limited(heard, band), cutoff_hz, 2e3)
+    responses = impulse_responses(screen, focus, **timing)
+    learnt = inaudible(band_limited(responses, band), cutoff_hz, 2e3)
     signal = _band_limited(drive(learnt, scene.given["voltage_v"], OneBit()), band)
     courses = []
     for factor in HIGHER:
         timing = {"rate_hz": signal.rate_hz, "duration_s": HEARD_S, "f_max_hz": factor * surface.f_max_hz}
-        heard = loaded_responses(screen, focus, loads, **timing)
+        responses = loaded_responses(screen, focus, loads, **timing)
         last = FINER * (2 * learnt.n_samples - 1)
-        courses.append(emitted(signal, heard)[0, last - n + 1 : last + 1])
+        courses.append(emitted(signal, responses)[0, last - n + 1 : last + 1])
     return np.asarray(np.linalg.solve([[1.0, 1 / f, 1 / f**3] for f in HIGHER], courses)[0])
 
 

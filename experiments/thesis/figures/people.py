@@ -105,8 +105,8 @@ def mean_force_by_condition() -> Figure:
 def forces_of_trials() -> Figure:
     """Draw the distribution of applied forces per condition (6.13)."""
     figure, (axes,) = sheet(width_in=7.2)
-    for (asked, forces), colour in zip(touches().groupby(FORCE)["force_mean_n"], colours(), strict=False):
-        asked_n = float(str(asked))
+    for (requested, forces), colour in zip(touches().groupby(FORCE)["force_mean_n"], colours(), strict=False):
+        asked_n = float(str(requested))
         shares, edges_n = np.histogram(forces, BIN_N * np.arange(np.ceil(1.3 * asked_n / BIN_N) + 1))
         middles_n = (edges_n[:-1] + edges_n[1:]) / 2
         axes.plot(middles_n, 100 * shares / len(forces), color=colour, drawstyle="steps-mid", label=f"{asked_n:g} N")

@@ -134,8 +134,8 @@ def repeated_focus() -> Figure:
 
 def _train(n_foci: int) -> tuple[np.ndarray, np.ndarray]:
     """Return time (ms) and displacement (um) of the focus."""
-    heard = RIG_BAND.responses(A4_PROTOTYPE, [FOCUS])
-    once = emitted(RIG_BAND.drive(heard), heard)[0]
+    responses = RIG_BAND.responses(A4_PROTOTYPE, [FOCUS])
+    once = emitted(RIG_BAND.drive(responses), responses)[0]
     step = round(REPETITION_S * RIG_BAND.rate_hz)
     u = np.zeros(len(once) + step * (n_foci - 1))
     for start in range(0, step * n_foci, step):

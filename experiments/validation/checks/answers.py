@@ -13,7 +13,8 @@ from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.hierarchical.fitting import fit_hierarchical
 from tactometry.analysis.hierarchical.result import HierarchicalFit
 from tactometry.analysis.outcomes.outcome import outcome
-from tactometry.analysis.tasks.cells import Cell, estimate_table, estimates
+from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.tasks.cells import estimate_table, estimates
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import PsychometricFunction
 
@@ -107,9 +108,9 @@ def false_alarms(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd
 def effects(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
     """Estimate the effect in simulated studies that have one."""
     rows = [
-        (method, EFFECT_DB, *found)
+        (method, EFFECT_DB, *result)
         for _ in range(n_sets)
-        for method, found in estimated(study(cell_sd_db, EFFECT_DB, rng)).items()
+        for method, result in estimated(study(cell_sd_db, EFFECT_DB, rng)).items()
     ]
     named = pd.DataFrame(rows, columns=["method", "truth", "estimate", "low", "high"])
     return named.assign(own_sd_db=cell_sd_db)

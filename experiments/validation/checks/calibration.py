@@ -81,8 +81,8 @@ def of_fit(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
     n_catch = np.full(n_sets, float(model.n_catch))
     posterior = LogPosterior(SHAPES[model.shape], counts, model.prior(counts.gap, n_false_alarms, n_catch))
     mode = find_mode(posterior)
-    found = [batched_marginals(posterior, mode, float(share)) for share in SHARES]
-    own = {"threshold": [each.threshold for each in found], "width": [each.width for each in found]}
+    result = [batched_marginals(posterior, mode, float(share)) for share in SHARES]
+    own = {"threshold": [each.threshold for each in result], "width": [each.width for each in result]}
     ranks = {
         quantity: rank(truth[:, place], np.stack(quantiles, axis=-1), rng)
         for place, (quantity, quantiles) in enumerate(own.items())

@@ -58,16 +58,16 @@ def scored(effect: float, rng: np.random.Generator) -> pd.DataFrame:
 
 def _crossed(source: str) -> Callable[[pd.DataFrame], float]:
     def p(table: pd.DataFrame) -> float:
-        found = frequency_by_envelope(table)
-        rows = found[(found["dimension"] == DIMENSION) & (found["Source"] == source)]
+        result = frequency_by_envelope(table)
+        rows = result[(result["dimension"] == DIMENSION) & (result["Source"] == source)]
         return float(rows["p_CM_corr"].iloc[0])
 
     return p
 
 
 def _against(table: pd.DataFrame) -> pd.DataFrame:
-    found = against_reference(table)
-    return found[found["dimension"] == DIMENSION]
+    result = against_reference(table)
+    return result[result["dimension"] == DIMENSION]
 
 
 TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {

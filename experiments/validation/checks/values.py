@@ -103,7 +103,7 @@ def effects(errors: str, n_participants: int, n_sets: int, rng: np.random.Genera
     rows = []
     for values in studies(errors, n_participants, n_sets, rng):
         table = long_table(with_effect(values, EFFECT))
-        rows += [(method, EFFECT, *found) for method, found in estimates(table).items()]
+        rows += [(method, EFFECT, *result) for method, result in estimates(table).items()]
     named = pd.DataFrame(rows, columns=["method", "truth", "estimate", "low", "high"])
     return named.assign(errors=errors, participants=n_participants)
 
@@ -114,7 +114,7 @@ def estimates(table: pd.DataFrame) -> dict[str, Estimate]:
     pair = compared[(compared["a"] == FIRST) & (compared["b"] == LAST)].iloc[0]
     model = mixed_model(table, factors=["condition"], **OF).coefficients.iloc[LAST]
     group = group_table(table, ["condition"], "y").iloc[LAST]
-    found = {
+    result = {
         "difference, pairs": tuple(pair[["difference", "difference_low", "difference_high"]]),
         "difference, mixed model": tuple(model[["estimate", "low", "high"]]),
         "mean": tuple(group[["mean", "mean_low", "mean_high"]]),
@@ -123,7 +123,7 @@ def estimates(table: pd.DataFrame) -> dict[str, Estimate]:
         of_bounds = _censored(table).means().iloc[LAST][["mean", "mean_low", "mean_high"]]
     except UndefinedStatistic:
         of_bounds = NO_ANSWER
-    return found | {"mean, of values and bounds": tuple(of_bounds)}
+    return result | {"mean, of values and bounds": tuple(of_bounds)}
 
 
 def _settings(simulate: Callable[..., pd.DataFrame]) -> Mapping[str, Simulate]:

@@ -149,10 +149,10 @@ def _short_flows(circuit: Circuit, system: LinearSystem, unit_per_s: float, leng
 
 def _derivatives(first: FloatArray, derive: Callable[[FloatArray], FloatArray]) -> list[FloatArray]:
     """Return `TERMS` derivatives, each computed from the previous one."""
-    found = [first]
-    while len(found) < TERMS:
-        found.append(derive(found[-1]))
-    return found
+    result = [first]
+    while len(result) < TERMS:
+        result.append(derive(result[-1]))
+    return result
 
 
 Kind = tuple[float, tuple[bool, ...]]
@@ -226,8 +226,8 @@ def check_times(t: FloatArray, pieces: Pieces) -> None:
     """Raise an error unless the times ascend within the pieces."""
     require.finite_array("t_s", t)
     inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
-    found = f"{t.size} times in shape {t.shape}"
-    require.expect(inside, "t_s", found, f"ascending times from 0 to {pieces.end_s} s")
+    result = f"{t.size} times in shape {t.shape}"
+    require.expect(inside, "t_s", result, f"ascending times from 0 to {pieces.end_s} s")
 
 
 class Timing:
@@ -261,15 +261,15 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> D
     all_moving = (True,) * len(relaxations.rates_per_s)
     whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, all_moving)
     maps, drives = _maps(whole, system, groups)
-    wanted = np.searchsorted(nodes, timing.t_s)
-    return DrivenPlan(shared, wanted, first, whole.has_line, whole.has_slope, whole.output(), kinds, maps, drives)
+    required = np.searchsorted(nodes, timing.t_s)
+    return DrivenPlan(shared, required, first, whole.has_line, whole.has_slope, whole.output(), kinds, maps, drives)
 
 
 def _check_resolved(system: LinearSystem, longest_s: float) -> None:
     fastest_hz = float(np.abs(np.linalg.eigvals(system.matrix)).max()) / (2 * np.pi)
-    found = f"a frequency of up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart"
+    result = f"a frequency of up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart"
     expected = f"a product of at most {CYCLES_MAX:.0e}; use a heavier, softer or less damped finger"
-    require.expect(fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9), "finger", found, expected)
+    require.expect(fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9), "finger", result, expected)
 
 
 def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[FloatArray, FloatArray]:
@@ -279,10 +279,10 @@ def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple
     for active in {moves for _, moves in groups}:
         alike = [kind for kind, (_, moves) in enumerate(groups) if moves == active]
         circuit = replace(whole, active=active)
-        found = flows(circuit, system, np.array([groups[kind][0] for kind in alike]))
+        result = flows(circuit, system, np.array([groups[kind][0] for kind in alike]))
         kept = circuit.active_places()
-        maps[alike] = found.states
-        drives[np.ix_(np.array(alike), np.arange(n), kept, kept)] = found.forms
+        maps[alike] = result.states
+        drives[np.ix_(np.array(alike), np.arange(n), kept, kept)] = result.forms
     return maps, drives
 
 

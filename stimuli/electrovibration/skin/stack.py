@@ -80,8 +80,8 @@ class Stack:
     Raises `InvalidParameter` if no layer can carry a voltage, or the resistance is negative.
 
     >>> stack = Stack((Layer(1e-6, 3.9), Layer(200e-6, 1000.0, 2e4)))
-    >>> found = stack.relaxations(1, area_m2=1e-4)
-    >>> round(found.gains[0], 9), round(1e6 / found.rates_per_s[0], 6)
+    >>> result = stack.relaxations(1, area_m2=1e-4)
+    >>> round(result.gains[0], 9), round(1e6 / result.rates_per_s[0], 6)
     (0.438202247, 315.209086)
     """
 

@@ -127,8 +127,8 @@ class PulsedCarrier:
     """A waveform of the same level from one supply (V, above 0): each sample is on, reversed or off.
 
     >>> pulsed = PulsedCarrier(AmplitudeModulated(120.0, rate_hz=250e3, ramp_s=0.0), supply_v=100.0)
-    >>> asked, made = pulsed.waveform.at(34.0), pulsed.at(34.0)
-    >>> np.unique(made.samples).tolist(), round(float(np.mean(made.samples**2) / np.mean(asked.samples**2)), 3)
+    >>> requested, made = pulsed.waveform.at(34.0), pulsed.at(34.0)
+    >>> np.unique(made.samples).tolist(), round(float(np.mean(made.samples**2) / np.mean(requested.samples**2)), 3)
     ([-100.0, 0.0, 100.0], 1.0)
     """
 

@@ -66,8 +66,8 @@ class Pieces:
             )
 
     def _check_shape(self, name: str, shape: tuple[int, ...]) -> None:
-        found = getattr(self, name).shape
-        require.expect(found == shape, f"Pieces.{name}", f"shape {found}", f"{shape}")
+        result = getattr(self, name).shape
+        require.expect(result == shape, f"Pieces.{name}", f"shape {result}", f"{shape}")
 
     @property
     def harmonics_v(self) -> ComplexArray:
@@ -76,8 +76,8 @@ class Pieces:
 
     def index(self, t_s: ArrayLike) -> IndexArray:
         """Return the index of the piece at each time, the last one after the end."""
-        found = np.searchsorted(self.starts_s, np.asarray(t_s, dtype=np.float64), side="right") - 1
-        return np.maximum(found, 0)
+        result = np.searchsorted(self.starts_s, np.asarray(t_s, dtype=np.float64), side="right") - 1
+        return np.maximum(result, 0)
 
     def at(self, t_s: ArrayLike) -> FloatArray:
         """Return the voltage at times.
@@ -212,8 +212,8 @@ class Corners:
     def __post_init__(self) -> None:
         ends = (self.phases[:1], self.phases[-1:]) == ((0.0,), (1.0,))
         fit = ends and len(self.phases) == len(self.values) and (np.diff(self.phases) >= 0).all()
-        found = f"{self.phases!s:.60} with {len(self.values)} values"
-        require.expect(fit, "Corners.phases", found, "a tuple that ascends from 0 to 1, with one value each")
+        result = f"{self.phases!s:.60} with {len(self.values)} values"
+        require.expect(fit, "Corners.phases", result, "a tuple that ascends from 0 to 1, with one value each")
 
     def at(self, phase: ArrayLike) -> FloatArray:
         """Return values at phases (in periods), after a jump if there is one."""

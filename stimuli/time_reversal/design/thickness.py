@@ -92,8 +92,8 @@ def best_sheet(among: Sequence[Sheet], thickness_m: Positive) -> Sheet:
     """Return the sheet with the fewest missed targets, nearest in thickness.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-    >>> found = sheets(A4_SCREEN, Transducers(side_m=5e-3), Band(20e3, 60e3), 3.5e-3, Target(contrast=28.0))
-    >>> best = best_sheet(found, A4_SCREEN.thickness_m)
+    >>> result = sheets(A4_SCREEN, Transducers(side_m=5e-3), Band(20e3, 60e3), 3.5e-3, Target(contrast=28.0))
+    >>> best = best_sheet(result, A4_SCREEN.thickness_m)
     >>> best.thickness_m, best.unreachable
     (0.0009, ())
     """

@@ -100,11 +100,13 @@ class TimeReversalStimulus:
         one_of("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
         one_of("TimeReversalStimulus.focus.quantity", self.focus.quantity, ("displacement",))
         one_of("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
-        heard, focus = self.heard, self.focus
-        if heard is not None:
-            found = f"{heard.n_points} points and {heard.n_channels} channels"
+        responses, focus = self.heard, self.focus
+        if responses is not None:
+            result = f"{responses.n_points} points and {responses.n_channels} channels"
             expected = f"{focus.n_points} and {focus.n_channels} as in focus"
-            expect(heard.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", found, expected)
+            expect(
+                responses.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", result, expected
+            )
         check_supply("TimeReversalStimulus", self.supply_v, self.quantiser)
         if self.reversal_s is not None:
             whole("TimeReversalStimulus", lowest=1, n_reversal=self._n_reversal)
@@ -320,8 +322,8 @@ def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> train = FocusTrain(setup, f_max_hz=20e3)
-    >>> found = measured(train, setup.responses_at(*setup.focus_m))
-    >>> found.voltage_v(0.0) == train.voltage_v(0.0)
+    >>> result = measured(train, setup.responses_at(*setup.focus_m))
+    >>> result.voltage_v(0.0) == train.voltage_v(0.0)
     True
     """
     at_focus = train.heard(heard)

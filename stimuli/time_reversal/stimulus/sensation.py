@@ -351,10 +351,10 @@ def _free(setup: Setup, signal: Signal, places: Places) -> FloatArray:
     n = signal.samples.shape[1]
     if not places:
         return np.zeros((0, n))
-    heard = impulse_responses(
+    responses = impulse_responses(
         setup.screen, list(places), rate_hz=setup.rate_hz, duration_s=n / setup.rate_hz, f_max_hz=setup.modes_to_hz
     )
-    return emitted(signal, heard)[:, :n]
+    return emitted(signal, responses)[:, :n]
 
 
 @lru_cache(maxsize=N_CACHED)

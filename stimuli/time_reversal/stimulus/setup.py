@@ -97,8 +97,8 @@ class Setup(GlassPanel):
 
     def learnt(self) -> Responses:
         """Return the first `learnt_s` of the responses at the focus."""
-        heard = self.responses_at(*self.focus_m)
-        return replace(heard, samples=heard.samples[..., : samples_in("learnt_s", self.learnt_s, self.rate_hz)])
+        responses = self.responses_at(*self.focus_m)
+        return replace(responses, samples=responses.samples[..., : samples_in("learnt_s", self.learnt_s, self.rate_hz)])
 
 
 @lru_cache(maxsize=16)

@@ -51,8 +51,10 @@ class AudioInput(Source):
 
     def open(self) -> None:
         sounddevice, settings = library(), self._settings
-        wanted = f"cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz"
-        with attempt(self.name, wanted, "an input that supports this format", (sounddevice.PortAudioError, ValueError)):
+        required = f"cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz"
+        with attempt(
+            self.name, required, "an input that supports this format", (sounddevice.PortAudioError, ValueError)
+        ):
             self._stream = sounddevice.InputStream(
                 device=settings.device,
                 channels=settings.n_channels,

@@ -112,12 +112,12 @@ class ExperimenterTerminal:
         """
         reason = trial.invalid_reason
         if trial.valid:
-            said = self.phrase("valid")
+            stated = self.phrase("valid")
         else:
-            said = self.phrase("not_valid_why", reason=self.phrase(reason)) if reason else self.phrase("not_valid")
+            stated = self.phrase("not_valid_why", reason=self.phrase(reason)) if reason else self.phrase("not_valid")
         if trial.trial == n_announced:
-            return said
-        return said + self.phrase(
+            return stated
+        return stated + self.phrase(
             "place_again" if trial.attempt > 1 else "place", trial=trial.trial, attempt=trial.attempt
         )
 
