@@ -14,9 +14,10 @@ from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.trials import used_rows
 from tactometry.analysis.tasks import cells
-from tactometry.experiments.data_sets.replaying import replay_of
+from tactometry.experiments.data_sets.rule_estimates import replay_of
 from tactometry.experiments.harness import tell
-from tactometry.experiments.sessions.simulation import Simulation, simulate, trials_of
+from tactometry.experiments.sessions.in_memory import trials_of
+from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.study_file import load
 
 STUDY, N_PARTICIPANTS = "electrovibration-threshold", 10

@@ -8,9 +8,10 @@ from tactometry.analysis.reading.trials import Trials
 from tactometry.arguments.checked import checked
 
 from .bench.bench_file import load_bench
+from .sessions.in_memory import NOWHERE, trials_of
 from .sessions.recording import Recorded, Who, record
 from .sessions.rig_kinds import rig_kind
-from .sessions.simulation import NOWHERE, Simulation, trials_of
+from .sessions.simulation import Simulation
 from .study.experiment import wire
 from .study.study_file import load
 from .workers import check_workers

@@ -63,7 +63,7 @@ class Gathered:
     >>> result = Gathered()
     >>> for key in ("a", "b"):
     ...     with result.part():
-    ...         raise InvalidParameter(f"{key}: result no such key")
+    ...         raise InvalidParameter(f"{key}: found no such key")
     >>> result.end()
     Traceback (most recent call last):
     tactometry.errors.Mistakes: a: found no such key; b: found no such key
@@ -160,7 +160,7 @@ def library_needed(refusal: str) -> Iterator[None]:
 
     The message is `refusal`, in which ``{error}`` is replaced by the reason.
 
-    >>> with library_needed("lamp: result no lamps ({error}); pip install 'tactometry[lamp]'"):
+    >>> with library_needed("lamp: found no lamps ({error}); pip install 'tactometry[lamp]'"):
     ...     import lamps
     Traceback (most recent call last):
     tactometry.errors.DeviceFailed: lamp: found no lamps (No module named 'lamps'); pip install 'tactometry[lamp]'
@@ -202,7 +202,7 @@ def rewording(tell: Callable[[str], str]) -> Iterator[None]:
     """Raise user errors of the body as `InvalidParameter`, reworded by `tell`.
 
     >>> with rewording(lambda words: f"procedure.{words}"):
-    ...     raise LimitExceeded("level: result 90, expected at most 40")
+    ...     raise LimitExceeded("level: found 90, expected at most 40")
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: procedure.level: found 90, expected at most 40
     """

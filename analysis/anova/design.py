@@ -42,7 +42,7 @@ class DesignStatus(StatusWithNote):
 def reason_of(refusal: InvalidParameter) -> str:
     """Return the reason why an analysis has no result, as text for a report.
 
-    >>> reason_of(UndefinedStatistic("y: result 3, expected more", DesignStatus.CONSTANT))
+    >>> reason_of(UndefinedStatistic("y: found 3, expected more", DesignStatus.CONSTANT))
     'all values are equal'
     """
     status = refusal.status if isinstance(refusal, UndefinedStatistic) else DesignStatus.NO_MAXIMUM

@@ -12,7 +12,6 @@ from tactometry.provenance import versions
 
 from ..workers import Spread, here
 from .design import PowerDesign
-from .figures import power_curves
 from .files import Batch, Folder, asked, sample
 from .scenario import experiment_of, felt_more, maps_of
 from .scores import applied_effect, attitudes_of
@@ -59,6 +58,8 @@ def write_page(found: Power, root: Path) -> None:
 
     Raises `DeviceFailed` if a file cannot be written.
     """
+    from .figures import power_curves
+
     drawing = power_curves(found.design, found.points)
     with attempt(root, "cannot write", "a place to write to"):
         (root / f"{FIGURE}.svg").write_text(drawing.svg, encoding="utf-8")

@@ -24,8 +24,8 @@ from tactometry.protocols.tasks.task import Task
 from tactometry.records.head import LARGEST_SEED
 from tactometry.rigs.simulated import meeting
 
+from ..sessions.in_memory import simulated_trials
 from ..sessions.recording import Who
-from ..sessions.simulation import simulated_trials
 from ..study.dry_run import ITEM_S
 from ..study.experiment import Experiment
 from ..study.session_plan import Key, all_sessions, stream

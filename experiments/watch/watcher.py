@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from tactometry.errors import InvalidFile, TactometryError
 from tactometry.files.durable import read_file
 from tactometry.records.data_set import keys_of, sessions
+from tactometry.records.following import Follower
 from tactometry.records.head import Head
-from tactometry.records.journal import Entry, Follower, Line
+from tactometry.records.journal import Entry, Line
 from tactometry.records.open_journal import is_written
 from tactometry.session.event import Event
 from tactometry.session.progress import PartAhead, Progress

@@ -84,7 +84,7 @@ def as_at_250_hz(parts: Components) -> Components:
 def heard(parts: Components) -> Components:
     """Return the components to which any channel responds.
 
-    >>> responses(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).frequencies_hz
+    >>> heard(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).frequencies_hz
     array([125.])
     """
     within = _within(parts.frequencies_hz)

@@ -43,7 +43,7 @@ def command(
     from tactometry.analysis.plan import read_plan
     from tactometry.analysis.reading.column_map import read_column_map
     from tactometry.analysis.report.summary import summary
-    from tactometry.experiments.data_sets.replaying import replay_of
+    from tactometry.experiments.data_sets.rule_estimates import replay_of
     from tactometry.experiments.data_sets.session_files import edit_warnings
     from tactometry.experiments.data_sets.touch_courses import touch_courses
     from tactometry.experiments.workers import check_workers, workers

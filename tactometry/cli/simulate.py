@@ -85,7 +85,7 @@ def demo(out: Path, seed: int) -> None:
     """Simulate a threshold study, analyse it and write the report."""
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.report.summary import summary
-    from tactometry.experiments.data_sets.replaying import replay_of
+    from tactometry.experiments.data_sets.rule_estimates import replay_of
 
     from .analyse import summary_text
 

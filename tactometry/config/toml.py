@@ -75,7 +75,7 @@ def errors_in(where: str | Path) -> Iterator[None]:
     """Raise `InvalidFile`, with `where`, for errors in a file's content.
 
     >>> with errors_in("s.toml"):
-    ...     raise InvalidFile("accuracy: result 2, expected at most 1")
+    ...     raise InvalidFile("accuracy: found 2, expected at most 1")
     Traceback (most recent call last):
     tactometry.errors.InvalidFile: s.toml, accuracy: found 2, expected at most 1
     """

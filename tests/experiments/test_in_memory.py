@@ -10,14 +10,9 @@ from pandas.api.types import is_numeric_dtype
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.experiments.sessions import simulation
+from tactometry.experiments.sessions.in_memory import NOWHERE, simulated_session, simulated_trials, trials_of
 from tactometry.experiments.sessions.recording import Who
-from tactometry.experiments.sessions.simulation import (
-    NOWHERE,
-    Simulation,
-    simulated_session,
-    simulated_trials,
-    trials_of,
-)
+from tactometry.experiments.sessions.simulation import Simulation
 from tactometry.experiments.study.study_file import load
 from tactometry.records.journal import read
 

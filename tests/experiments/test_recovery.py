@@ -10,7 +10,8 @@ from soak import SOAK
 
 from tactometry.analysis.pipeline import analyse, analyse_trials
 from tactometry.contact import Contact
-from tactometry.experiments.sessions.simulation import NOWHERE, Simulation, simulate, trials_of
+from tactometry.experiments.sessions.in_memory import NOWHERE, trials_of
+from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load, parse
 

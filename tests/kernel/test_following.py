@@ -6,7 +6,8 @@ from tutorial_session import journal_of, live
 
 from tactometry.errors import InvalidFile
 from tactometry.experiments.sessions.recording import Who
-from tactometry.records.journal import Follower, decode_journal, read
+from tactometry.records.following import Follower
+from tactometry.records.journal import decode_journal, read
 from tactometry.records.open_journal import Journal
 from tactometry.session.event import Event
 

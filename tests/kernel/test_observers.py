@@ -7,8 +7,8 @@ from scipy.integrate import quad
 from scipy.stats import norm
 from study_texts import TUTORIAL as CONSTANT_TUTORIAL, refusal, wired
 
+from tactometry.experiments.sessions.in_memory import simulated_trials
 from tactometry.experiments.sessions.recording import Who
-from tactometry.experiments.sessions.simulation import simulated_trials
 from tactometry.experiments.study.session_plan import stream
 from tactometry.experiments.study.study_file import builtin
 from tactometry.experiments.study.task_table import dimensions_of

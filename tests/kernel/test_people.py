@@ -10,8 +10,8 @@ from scipy.stats import chi2, norm
 from study_texts import TUTORIAL as CONSTANT_TUTORIAL, refusal, wired
 
 from tactometry.errors import InvalidParameter
+from tactometry.experiments.sessions.in_memory import simulated_trials
 from tactometry.experiments.sessions.recording import Who
-from tactometry.experiments.sessions.simulation import simulated_trials
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.session_plan import stream
 from tactometry.experiments.study.study_file import builtin, parse

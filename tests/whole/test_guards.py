@@ -143,9 +143,9 @@ BAD = (
 )
 BACK_UP = (
     ("analysis/threshold/start_values.py", "from .mode import Mode"),
-    ("analysis/anova/design.py", "from .contrasts import effects"),
-    ("analysis/mixed_models/censored.py", "from .censored import Counts"),
-    ("analysis/hierarchical/model.py", "from .single_fits import SingleFits"),
+    ("analysis/anova/design.py", "from .post_hoc import pairs"),
+    ("analysis/mixed_models/linear.py", "from .censored import Counts"),
+    ("analysis/hierarchical/model.py", "from .tables import SingleFits"),
     ("analysis/outcomes/findings.py", "from .ratings import Ratings"),
     ("analysis/threshold/likelihood.py", "from .log_posterior import Prior"),
     ("analysis/result.py", "from .report import page"),

@@ -60,7 +60,7 @@ LINES = (
         '    "spring": "tactometry.devices.sensors.spring:SpringSettings",\n',
         '    "recorded": ',
     ),
-    ("analysis/report/section.py", '    "latency",\n', '    "measured",\n'),
+    ("analysis/report/kinds.py", '    "latency",\n', '    "measured",\n'),
     (
         "stimuli/scenes/effects/__init__.py",
         '    "strips": "tactometry.stimuli.scenes.effects.strips:Strips",\n',
