@@ -12,7 +12,7 @@ from tactometry.experiments.accuracy.measure import Setting
 from tactometry.experiments.accuracy.problems import electrovibration, plate_motion
 from tactometry.stimuli.electrovibration import Skin
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
-from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 

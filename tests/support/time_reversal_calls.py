@@ -68,7 +68,7 @@ from tactometry.stimuli.time_reversal.pulp import PulpLoad, Tissue
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, SprungMass
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.screen.screen import GlassPanel
+from tactometry.stimuli.time_reversal.screen.glass_panel import GlassPanel
 from tactometry.stimuli.time_reversal.screen.transducer import Patch, PointForce
 from tactometry.stimuli.time_reversal.stimulus.placed_foci import FingersSensation, Place, PlacedFoci
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading

@@ -8,7 +8,8 @@ import numpy as np
 
 from tactometry.stimuli.electrovibration import Finger, Sine, Skin, StickSlip, electrostatic_force_n, stick_slip
 from tactometry.stimuli.electrovibration.attraction.force import force_form, force_per_square_volt_n
-from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction, Travel
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
 from tactometry.stimuli.electrovibration.skin.skin import sine_voltage_v
 
 from ..measure import Problem, Real, Reference, Setting, over_largest

@@ -1,10 +1,9 @@
 """Stick-slip motion with exact events and unsmoothed Coulomb friction."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, pi, sqrt
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,53 +13,15 @@ from tactometry.arguments.checked import NotNegative, checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
-from ...composition.effect import Quantity
 from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
 from .driven_motion import Timing, check_times
+from .dry_friction import DryFriction
 from .pad import Finger
 from .phases import Phases, heights, moving, nodes_of, phases
 
 if TYPE_CHECKING:
     from . import power_series
-
-
-@checked
-@dataclass(frozen=True)
-class DryFriction(Quantity):
-    """Coulomb friction with a static and a kinetic coefficient; both defaults are unverified.
-
-    If the static coefficient is the larger one, a friction law that is smooth in the speed does not approximate this
-    model: its peak stays below the static friction at any width.
-
-    Parameters
-    ----------
-    static : float
-        Coefficient of friction of a finger that sticks, at least `kinetic`.
-    kinetic : float
-        Coefficient of friction of a finger that slides.
-    gated : bool
-        True: the voltage adds to the friction only in full slip, as Sirin et al. (2019) found. A stuck finger then
-        bears the static friction of its normal force, or the sliding friction if that is larger. False: the voltage
-        also holds a stuck finger. An independent event-driven integration agrees with this setting only.
-    """
-
-    kind = "dry_friction"
-    slot = "friction"
-    requires = ("sliding contact", "dynamics")
-    excludes: ClassVar[Mapping[str, str]] = {
-        "friction_lag": "a lag has no stick; use 'friction' with the lag, or 'finger_dynamics' instead of it"
-    }
-    gives = stage_name = "friction_law"
-    assumes = ("the coefficients depend neither on load nor on speed nor on time at rest",)
-
-    static: NotNegative = 0.6
-    kinetic: NotNegative = 0.5
-    gated: bool = True
-
-    def __post_init__(self) -> None:
-        least = f"at least the kinetic coefficient ({self.kinetic})"
-        require.expect(self.static >= self.kinetic, "DryFriction.static", self.static, least)
 
 
 N_STEPS_MAX = 2_000_000

@@ -16,7 +16,7 @@ OF_ELECTROVIBRATION: Mapping[str, str] = {
     "force_law": "tactometry.stimuli.scenes.effects.force_law:ForceLaw",
     "polarity": "tactometry.stimuli.electrovibration.attraction.polarity:Polarity",
     "friction": "tactometry.stimuli.electrovibration.motion.coulomb_friction:CoulombFriction",
-    "dry_friction": "tactometry.stimuli.electrovibration.motion.stick_slip:DryFriction",
+    "dry_friction": "tactometry.stimuli.electrovibration.motion.dry_friction:DryFriction",
     "friction_lag": "tactometry.stimuli.electrovibration.motion.friction_lag:FrictionLag",
     "finger_dynamics": "tactometry.stimuli.scenes.effects.finger_dynamics:FingerDynamics",
     "skin_mobility": "tactometry.stimuli.electrovibration.motion.skin_mobility:SkinMobility",

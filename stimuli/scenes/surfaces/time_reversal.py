@@ -12,7 +12,7 @@ from ...composition.effect import Demand, Size, Stage, Surface, Surroundings
 from ...defaults import F_MAX_HZ
 from ...time_reversal.plate.glass import GLASSES
 from ...time_reversal.plate.plate import Plate
-from ...time_reversal.screen.screen import LEARNT_S, GlassPanel
+from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
 from ..effects import OF_TIME_REVERSAL
 from ..stages.circuit import at_voltage
 from ..stages.truncation import check_on_plate, cut_of, felt_at_m, n_frequencies, n_modes, wavenumber_rad_per_m

@@ -10,7 +10,8 @@ from ..plate.glass import GLASSES
 from ..plate.plate import Plate
 from ..responses.responses import Point, Responses, impulse_responses, samples_in
 from ..screen.attenuation import TAU_S, Attenuation
-from ..screen.screen import LEARNT_S, GlassPanel, Screen
+from ..screen.glass_panel import LEARNT_S, GlassPanel
+from ..screen.screen import Screen
 from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 
 

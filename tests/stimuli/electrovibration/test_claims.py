@@ -8,8 +8,9 @@ import pytest
 from tactometry.stimuli.electrovibration import CoulombFriction, Finger, Layer, Sine, Skin, Step, sliding, stick_slip
 from tactometry.stimuli.electrovibration.attraction.force import LAWS, electrostatic_force_n_at, force_form
 from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
 from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag, lagged_friction_n
-from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction, Travel
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
 
 P0, AREA_M2 = Skin(), 1e-4
 FORM = force_form("sc_layer", P0, AREA_M2)

@@ -35,9 +35,9 @@ from tactometry.stimuli.electrovibration.attraction.contact_area import (
 )
 from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
 from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag, lagged_friction_n
 from tactometry.stimuli.electrovibration.motion.skin_mobility import SkinMobility
-from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction
 from tactometry.stimuli.electrovibration.skin.relaxation import Solution
 from tactometry.stimuli.electrovibration.skin.stack import DispersiveLayer
 from tactometry.stimuli.electrovibration.textures.texture import Region

@@ -11,7 +11,8 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import Finger, Sine, Skin, Square, StickSlip, Trapezoid, stick_slip
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.motion import power_series, stick_slip as sticking
-from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction, Travel
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
 from tactometry.stimuli.electrovibration.skin.relaxation import Solution
 from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 

@@ -3,7 +3,7 @@
 import math
 from functools import partial
 
-from ..problem import Problem, Reference, Setting
+from ..measure import Problem, Reference, Setting
 
 N_TERMS = (1, 10, 100, 1000)
 
