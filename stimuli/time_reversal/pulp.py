@@ -151,7 +151,7 @@ def disc_stiffness(
     tissue: Tissue,
     *,
     n_pressures: Annotated[int, Ge(1)] = N_PRESSURES,
-    path: Annotated[float, Interval(ge=1, le=1024)] = 1.0,
+    path_factor: Annotated[float, Interval(ge=1, le=1024)] = 1.0,
 ) -> ComplexArray:
     """Return force per displacement of the disc at complex s, (n,).
 
@@ -161,7 +161,7 @@ def disc_stiffness(
         In the right half-plane or on its border, with an imaginary part of at least 0 (rad/s).
     n_pressures : int
         Number of pressure functions. `tactometry cost pulp-impedance` shows error and time.
-    path : float
+    path_factor : float
         Factor of the length of the integration path, from 1 to 1024. The error falls with its square.
 
     >>> soft = Tissue(shear_modulus_pa=1e4)
@@ -173,7 +173,7 @@ def disc_stiffness(
     with np.errstate(all="ignore"):  # NaN and infinity are rejected as too short a wave
         p = (s * radius_m / tissue.sound_speed_m_per_s) ** 2  # squares of the p and q above
         q = np.where(s == 0, 0.0, p / e)
-    ends = _ends(np.sqrt(np.abs(q)), path)
+    ends = _ends(np.sqrt(np.abs(q)), path_factor)
     total = np.empty(len(s), complex)
     for end in np.unique(ends).tolist():
         part = ends == end
@@ -200,12 +200,12 @@ def _total(
     return np.asarray(np.linalg.solve(system, moved_by_one)[:, 0, 0])
 
 
-def _ends(shear_waves: FloatArray, path: float) -> FloatArray:
+def _ends(shear_waves: FloatArray, path_factor: float) -> FloatArray:
     """Return the ends of the path, powers of two; beyond them the static compliance holds."""
     most = float(shear_waves.max(initial=0.0))
     expected = f"at most {MOST_SHEAR:g} radii in shear waves; raise the shear viscosity or lower the frequency"
     expect(most <= MOST_SHEAR, "disc_stiffness: s, radius_m", f"{most:.3g}", expected)
-    return np.asarray(2 ** np.ceil(np.log2(path * np.maximum(SHEAR_WAVES * shear_waves, SHORTEST_PATH))))
+    return np.asarray(2 ** np.ceil(np.log2(path_factor * np.maximum(SHEAR_WAVES * shear_waves, SHORTEST_PATH))))
 
 
 @lru_cache(maxsize=16)

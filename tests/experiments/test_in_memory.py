@@ -9,7 +9,7 @@ from pandas.api.types import is_numeric_dtype
 
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
-from tactometry.experiments.sessions import simulation
+from tactometry.experiments.sessions import in_memory
 from tactometry.experiments.sessions.in_memory import NOWHERE, simulated_session, simulated_trials, trials_of
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.sessions.simulation import Simulation
@@ -38,7 +38,7 @@ def test_trials_in_memory_equal_recorded_trials(capsys, tmp_path, name):
 def test_typed_trials_equal_rendered_text(monkeypatch, name):
     study = small_study(name)
     typed = simulated_trials(study.experiment(), study.sessions())
-    monkeypatch.setattr(simulation, "NUMERIC", frozenset())
+    monkeypatch.setattr(in_memory, "NUMERIC", frozenset())
     rendered = simulated_trials(study.experiment(), study.sessions())
     pd.testing.assert_frame_equal(typed.rows, rendered.rows, check_exact=True)
     assert (typed.factors, typed.notes) == (rendered.factors, rendered.notes)
@@ -55,7 +55,7 @@ def test_typed_trials_equal_rendered_text(monkeypatch, name):
     ],
 )
 def test_column_is_typed_when_every_number_is_finite(name, values, is_typed):
-    assert is_numeric_dtype(simulation._column(name, values)) is is_typed
+    assert is_numeric_dtype(in_memory._column(name, values)) is is_typed
 
 
 def test_trials_in_memory_equal_on_two_processes():

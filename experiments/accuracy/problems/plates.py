@@ -190,4 +190,4 @@ def pulp_impedance() -> Problem:
 
 
 def _pulp_stiffness(n_pressures: int, path: float) -> ComplexArray:
-    return disc_stiffness(PULP_S, PULP.radius_m, PULP.tissue, n_pressures=n_pressures, path=path)
+    return disc_stiffness(PULP_S, PULP.radius_m, PULP.tissue, n_pressures=n_pressures, path_factor=path)
