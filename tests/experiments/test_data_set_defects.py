@@ -7,10 +7,14 @@ from command_line import call
 from tutorial_session import journal_of, live
 
 from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.data_sets.session_files import positions_defects
 from tactometry.experiments.data_sets.validation import validate
+from tactometry.provenance import digest_of
 from tactometry.records.data_set import Session
 from tactometry.records.journal import read
+from tactometry.records.open_session import POSITIONS_HEADER
 from tactometry.trials.row_rules import Defect, defects, merge_alike
+from tactometry.trials.trial import Trial
 
 
 def found(root):
@@ -129,3 +133,11 @@ def test_defects_of_different_kinds_stay_apart():
         "a.csv, row 1: x",
         "a.csv, row 1: x",
     ]
+
+
+@pytest.mark.parametrize(("path", "n_defects"), [(b"", 0), (b"0.001000\t0.050000000\n", 1)])
+def test_only_an_empty_path_has_no_rows(tmp_path, path, n_defects):
+    """The path of a touch is empty if the position sensor was silent."""
+    (tmp_path / "j_positions.tsv").write_bytes(POSITIONS_HEADER)
+    touch = Trial(1, 1, {}, "staircase", 1.0, "V", "yes_no", None, valid=False, positions_digest=digest_of(path))
+    assert len(list(positions_defects(tmp_path / "j.jsonl", [touch]))) == n_defects
