@@ -31,7 +31,7 @@ INTERVAL = 0.95
 
 @dataclass(frozen=True)
 class EstimateDesign:
-    """Estimates with bounds, and factors within or between participants."""
+    """Analysis of estimates, some of which are bounds, over within- or between-participant factors."""
 
     table: pd.DataFrame
     dependent: str

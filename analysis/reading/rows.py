@@ -1,4 +1,4 @@
-"""Rows of a table of trials: one per answer, numbers, selection, errors and notes."""
+"""Rows of a trials table, one per answer: parse numbers, select rows, and report errors."""
 
 import json
 import re

@@ -147,7 +147,7 @@ def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
 
 
 def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:
-    """Return the stimuli by name, on plates computed from learned responses.
+    """Return the stimuli by name; those of plates use the measured impulse responses.
 
     Raises `InvalidFile` if the file cannot be read. Raises `InvalidParameter` if the responses do not suit a stimulus,
     or its highest level exceeds the amplifier.

@@ -60,7 +60,7 @@ class TracedSession:
 
 
 def traces_as(form: str, path: Path, task: str, files: Mapping[str, bytes]) -> Files:
-    """Yield the files with the traces of a data set, in an export form.
+    """Yield the trace files of a data set, converted to an export format.
 
     A single trials file yields no files, nor does a form without traces. `files` are the other files of the export.
     """

@@ -100,7 +100,7 @@ def test_exclusion_rule_lists_what_it_leaves_out(some, rules, lost) -> None:
     assert len(kept.rows) >= 8 - sum(row[3] for row in lost)
 
 
-def test_unmeasured_force_breaks_no_exclusion_rule(some) -> None:
+def test_unmeasured_force_triggers_no_exclusion(some) -> None:
     kept, _ = exclude(some, Exclusion(force_in_band_share_min=0.99, force_deviation_ratio_max=0.0), quality(some))
     assert kept.rows["force_mean_n"].isna().sum() == 1
 

@@ -210,7 +210,7 @@ def test_p_text_has_three_digits_without_leading_zero(p, text) -> None:
 
 
 @pytest.mark.parametrize(("x", "text"), [(0.5, ".500"), (-0.25, "-.250"), (1.0, "1.000"), (10.5, "10.500")])
-def test_a_share_has_no_leading_zero(x, text) -> None:
+def test_proportion_is_printed_without_leading_zero(x, text) -> None:
     assert share_text(x) == text
 
 

@@ -140,7 +140,7 @@ def test_missing_anova_of_one_participant_is_noted_once(named) -> None:
     assert found.notes == ("no analysis of variance: fewer than 3 participants have a value in the same 2 conditions",)
 
 
-def test_unavailable_named_analysis_leaves_no_primary() -> None:
+def test_no_primary_analysis_if_the_named_one_is_unavailable() -> None:
     found = outcome_of(estimates(np.random.default_rng()), primary="mixed_model")
     assert (found.primary, primary_sentences(found)) == (None, [])
     assert found.notes == ("no primary analysis: linear mixed model (named in the analysis plan) has no result",)

@@ -191,7 +191,7 @@ def test_unread_stop_fails_and_withdraws_the_stream(board):
     wait_for(lambda: output._sending.n_sent)
 
     def stop():
-        with pytest.raises(DeviceFailed, match="the board did not read a stop within 0.09 s; switch its amplifier off"):
+        with pytest.raises(DeviceFailed, match="did not read the stop command within 0.09 s; switch its amplifier off"):
             output.stop()
 
     assert READ_WITHIN_S <= took_s(stop) < WITHIN_S
@@ -341,7 +341,7 @@ def test_escape_ends_a_session_whose_board_hangs(board, watched, hands, in_backg
     with pytest.raises(TactometryError) as ended:
         bench.answer(Press("bits", level, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=60.0))
     assert time.perf_counter() - begin_s < 30.0
-    assert ("Escape was pressed" if level else "did not read a stop") in str(ended.value)
+    assert ("Escape was pressed" if level else "did not read the stop command") in str(ended.value)
     assert bench.closed
     assert "sensor.close" in seen
     assert board.wakes_and_ends_with() in (SILENCE, b"")

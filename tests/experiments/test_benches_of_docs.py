@@ -26,7 +26,7 @@ CLAIMED = [
 ]
 
 
-def test_docs_have_bench_of_each_study():
+def test_docs_contain_a_bench_file_for_each_study():
     panels = {"tutorial", "electrovibration-threshold", "grating-roughness"}
     plates = {"time-reversal-threshold", "time-reversal-patterns", "force-loss"}
     expected = [panels, plates | {"time-reversal-localisation"}, plates | {"hybrid-button"}]

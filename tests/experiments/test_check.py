@@ -170,7 +170,7 @@ def test_each_stimulus_that_passes_a_limit_is_named(tmp_path, numbers, limit_v, 
 
 @pytest.mark.parametrize("hands_off", [False, True])
 def test_missing_limits_are_reported_once(tmp_path, hands_off):
-    """The message appears once for all conditions, also without a study."""
+    """The message appears once for all conditions, even if no study is given."""
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS.replace("duration_s = 10.0", "").replace("session_s", "#"))
     for study in (None, wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")):
         messages = [each for each in devices(bench, bench.limits, study, hands_off=hands_off) if "limits" in each.found]

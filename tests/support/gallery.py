@@ -29,7 +29,7 @@ On these pages you find figures with the commands or Python code that draw them.
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of the gallery: heading of its section, content and name."""
+    """A picture in the gallery, with the heading of its section, its content and its name."""
 
     page: Path
     title: str

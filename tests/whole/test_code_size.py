@@ -1,4 +1,4 @@
-"""Limits on functions, files and class names of the project."""
+"""Limits on the length of functions, files and class names of the project."""
 
 import ast
 from collections import defaultdict

@@ -62,7 +62,7 @@ class SkinMobility(Effect):
     damping_exponent: float = 0.0
 
     def under(self, force_n: float) -> Self:
-        """Return the mobility of a constant normal force (above 0).
+        """Return the mobility of the skin under a constant normal force (above 0).
 
         >>> SkinMobility(damping_exponent=0.5).under(4.0).damping_n_s_per_m
         3.0

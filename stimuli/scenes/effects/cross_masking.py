@@ -1,4 +1,4 @@
-"""Foci and friction at one finger: each raises the threshold of the other."""
+"""Mutual masking of foci and friction at one finger: each raises the threshold of the other."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final

@@ -13,7 +13,7 @@ from ...composition.effect import Quantity
 @checked
 @dataclass(frozen=True)
 class OneBit(Quantity):
-    """One-bit quantiser, sign with +1 for 0: the largest focus at a peak voltage."""
+    """One-bit quantiser (sign, with +1 for 0): gives the largest focus amplitude for a given peak voltage."""
 
     kind, slot, gives = "one_bit", "quantiser", "quantiser"
     in_signal = True

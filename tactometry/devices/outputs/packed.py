@@ -348,8 +348,8 @@ class PackedOutput(AmplifiedDriver):
             return
         self._let_go()
         raise DeviceFailed(
-            f"{self._path}: the board did not read a stop within {READ_WITHIN_S:g} s; switch its amplifier off. "
-            "Its unread data were removed and its line is closed"
+            f"{self._path}: the board did not read the stop command within {READ_WITHIN_S:g} s; "
+            "switch its amplifier off. Its unread data were discarded and the connection is closed"
         )
 
     def _let_go(self) -> None:
