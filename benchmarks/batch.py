@@ -103,12 +103,12 @@ def compare(n_sets: int, n_peers: int) -> None:
             max(2, n_peers // 5),
         ),
     }
-    for table, stated in ((None, ""), (TABLE, ", with a table of levels")):
+    for table, suffix in ((None, ""), (TABLE, ", with a table of levels")):
         for name, (mine, peer, n) in pairs.items():
             mine(10, table)
             peer(1, table)
             ratio = (run_once(partial(peer, n, table))[0] / n) / (run_once(partial(mine, n_sets, table))[0] / n_sets)
-            tell(f"sessions a second of one core, {name}{stated}", ratio, at_least=20)
+            tell(f"sessions a second of one core, {name}{suffix}", ratio, at_least=20)
 
 
 def fit_some(numbers: range) -> float:
@@ -152,14 +152,14 @@ def main() -> None:
     for name, default in (("tracks", None), ("jobs", 2), ("sets", 2000), ("peers", 20), ("batches", 4)):
         parser.add_argument(f"--{name}", type=int, default=default)
     parser.add_argument("--out", type=Path)
-    stated = parser.parse_args()
-    if stated.tracks is not None:
+    arguments = parser.parse_args()
+    if arguments.tracks is not None:
         with TemporaryDirectory() as folder:
-            write(stated.tracks, stated.jobs, stated.out or Path(folder))
+            write(arguments.tracks, arguments.jobs, arguments.out or Path(folder))
         return
     warnings.simplefilter("ignore")  # warnings of the other programs' imports
-    compare(stated.sets, stated.peers)
-    fits(stated.batches)
+    compare(arguments.sets, arguments.peers)
+    fits(arguments.batches)
 
 
 if __name__ == "__main__":

@@ -184,9 +184,9 @@ def main() -> None:
     parser.add_argument("--n", type=int, default=2, help="participants, data sets or studies")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--csv", type=Path, default=Path("groups.csv"), help="outcomes of groups")
-    stated = parser.parse_args()
-    options = {"csv": stated.csv} if stated.study == "groups" else {}
-    print(STUDIES[stated.study](stated.n, stated.seed, **options))
+    arguments = parser.parse_args()
+    options = {"csv": arguments.csv} if arguments.study == "groups" else {}
+    print(STUDIES[arguments.study](arguments.n, arguments.seed, **options))
 
 
 if __name__ == "__main__":

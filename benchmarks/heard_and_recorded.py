@@ -41,8 +41,8 @@ class Monitor:
 
         self._blocks: list[np.ndarray] = []
         self._times_s: list[float] = []
-        requested = {"channels": 2, "samplerate": RATE_HZ, "dtype": "int16", "blocksize": 240, "latency": 0.02}
-        self._stream = sounddevice.InputStream(device="monitor", callback=self._hear, **requested)
+        format_of_stream = {"channels": 2, "samplerate": RATE_HZ, "dtype": "int16", "blocksize": 240, "latency": 0.02}
+        self._stream = sounddevice.InputStream(device="monitor", callback=self._hear, **format_of_stream)
         self._stream.start()
 
     def _hear(self, frames: np.ndarray, n_frames: int, times: Any, status: Any) -> None:
@@ -104,8 +104,8 @@ def main() -> None:
         sink = Sink(Path(folder), alsa_in(Path(folder)))
         os.environ.update(sink.env)
         try:
-            requested = {"rate_hz": RATE_HZ, "n_channels": 1, "device": "pulse", "latency_s": 0.1}
-            output = settings(requested).driver(GAIN)
+            options = {"rate_hz": RATE_HZ, "n_channels": 1, "device": "pulse", "latency_s": 0.1}
+            output = settings(options).driver(GAIN)
             rig, monitor = console(output), Monitor()
             time.sleep(1.0)
             sink.begin()

@@ -84,9 +84,9 @@ class Environment:
             return sum(file.stat().st_size for file in Path(folder).iterdir() if OURS not in file.name) / 1e6
 
     def packages(self) -> Packages:
-        stated = subprocess.run([self.python, "-c", INSTALLED], check=True, capture_output=True, text=True).stdout
-        result = json.loads(stated).items()
-        sizes = {canonicalize_name(name): (size / 1e6, needs(required)) for name, (size, required) in result}
+        output = subprocess.run([self.python, "-c", INSTALLED], check=True, capture_output=True, text=True).stdout
+        result = json.loads(output).items()
+        sizes = {canonicalize_name(name): (size / 1e6, needs(requires)) for name, (size, requires) in result}
         return {name: of for name, of in sizes.items() if name not in {"pip", "setuptools", OURS}}
 
     def total_mb(self) -> float:
@@ -95,8 +95,8 @@ class Environment:
 
 def needs(requirements: list[str]) -> set[str]:
     """Return the names of requirements that apply to this environment, without extras."""
-    required = map(Requirement, requirements)
-    return {canonicalize_name(one.name) for one in required if not one.marker or one.marker.evaluate({"extra": ""})}
+    parsed = map(Requirement, requirements)
+    return {canonicalize_name(one.name) for one in parsed if not one.marker or one.marker.evaluate({"extra": ""})}
 
 
 def brought(packages: Packages, direct: list[str]) -> dict[str, list[str]]:

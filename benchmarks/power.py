@@ -21,13 +21,13 @@ N_TRIALS, N_STUDIES = 40, 3
 def main() -> None:
     for name, effect in ASKED.items():
         made = PowerDesign(load(name)[1], name, parse_effect(effect), participants_of("6..24"), (N_TRIALS,), seed=1)
-        requested = replace(made, dependent=check_design(made))
-        case = requested.cases[0]
-        replicate(requested, case, 0)
-        sessions = partial(simulated, requested, experiment_of(requested, case))
-        seeds = [seed_of(requested.seed, number) for number in range(1, 1 + N_STUDIES)]
+        design = replace(made, dependent=check_design(made))
+        case = design.cases[0]
+        replicate(design, case, 0)
+        sessions = partial(simulated, design, experiment_of(design, case))
+        seeds = [seed_of(design.seed, number) for number in range(1, 1 + N_STUDIES)]
         sessions_s = [run_once(partial(sessions, seed))[0] for seed in seeds]
-        studies_s = [run_once(partial(replicate, requested, case, number))[0] for number in range(1, 1 + N_STUDIES)]
+        studies_s = [run_once(partial(replicate, design, case, number))[0] for number in range(1, 1 + N_STUDIES)]
         tell(f"{name}: a study of 24 people, tested for seven numbers of them", studies_s, "s")
         tell(f"{name}: its sessions alone", sessions_s, "s")
 

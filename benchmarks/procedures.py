@@ -99,8 +99,8 @@ def estimates_db(
     """Return the posterior means (n_observers, n_steps), each after `EVERY` further trials."""
     made = tracks(rule, task.criteria(truths_db, rng, n_max))
     logs, result = np.tile(rule.prior_state.log_weights, (len(truths_db), 1)), []
-    for n, (at, stated) in enumerate(zip(made.levels.T, made.answers.T, strict=True), start=1):
-        logs += rule.log_likelihoods(at, stated)
+    for n, (at, answers) in enumerate(zip(made.levels.T, made.answers.T, strict=True), start=1):
+        logs += rule.log_likelihoods(at, answers)
         if n % EVERY == 0:
             weights = normalised(logs)[1].reshape(len(truths_db), len(rule.thresholds), -1).sum(axis=2)
             result.append(weights @ rule.thresholds)

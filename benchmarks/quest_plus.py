@@ -122,9 +122,9 @@ def trial_ms(contender: Contender, size: Size, rng: np.random.Generator) -> np.n
         began_s = time.process_time()
         level = contender.choose()
         chosen_s = time.process_time() - began_s
-        stated = answer(level)
+        reply = answer(level)
         began_s = time.process_time()
-        contender.learn(level, stated)
+        contender.learn(level, reply)
         times_s.append(chosen_s + time.process_time() - began_s)
     return 1e3 * np.array(times_s)
 
@@ -144,9 +144,9 @@ def choices(size: Size, rng: np.random.Generator) -> None:
         level = theirs.choose()
         losses = ours.rule.expected_loss()
         n_other += losses[ours.rule.rule.levels.index(level)] - losses.min() >= TIED
-        stated = answer(level)
-        ours.learn(level, stated)
-        theirs.learn(level, stated)
+        reply = answer(level)
+        ours.learn(level, reply)
+        theirs.learn(level, reply)
     tell(f"{size.name}: choices other than questplus's that are no ties", n_other, "", at_most=0)
 
 

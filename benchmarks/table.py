@@ -118,8 +118,8 @@ def once(program: Path, longest_s: float = LONGEST_S) -> tuple[list[MeasuredItem
         options = {"cwd": folder, "env": env, "timeout": longest_s, "stderr": subprocess.PIPE, "text": True}
         try:
             ended = subprocess.run([sys.executable, program], check=False, **options)
-            stated = (ended.stderr.strip().splitlines() or ["without a word"])[-1]
-            failed = f"exit status {ended.returncode}: {stated:.200}" if ended.returncode else ""
+            message = (ended.stderr.strip().splitlines() or ["without a word"])[-1]
+            failed = f"exit status {ended.returncode}: {message:.200}" if ended.returncode else ""
         except subprocess.TimeoutExpired:
             failed = f"took more than {longest_s:g} s"
         result = [measured(json.loads(line)) for line in rows.read_text(encoding="utf-8").splitlines()]
@@ -227,14 +227,14 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(programs())}")
     parser.add_argument("--runs", type=int, default=3, help="runs of each")
     parser.add_argument("--page", action="store_true", help="run nothing")
-    stated = parser.parse_args()
-    unknown = [name for name in stated.names if name not in programs()]
+    arguments = parser.parse_args()
+    unknown = [name for name in arguments.names if name not in programs()]
     if unknown:
         parser.error(f"found no benchmark {unknown[0]!r}, expected one of {', '.join(programs())}")
-    if stated.page:
+    if arguments.page:
         write(read(FOLDER / RESULTS), FOLDER)
     else:
-        renew(stated.names, stated.runs)
+        renew(arguments.names, arguments.runs)
 
 
 if __name__ == "__main__":

@@ -115,11 +115,11 @@ def main() -> None:
         spent_s, found = run_once(partial(finite_differences, step_m))
         theirs.append((spent_s, error(found)))
         print(f"differences {step_m * 1e3:g} mm: {spent_s:.3g} s, error of the focus {theirs[-1][1]:.2e}")
-    for required, goal in ((1e-2, 200), (1e-3, 2000)):
-        ours_s = min(spent_s for spent_s, reached in ours if reached <= required)
+    for largest, goal in ((1e-2, 200), (1e-3, 2000)):
+        ours_s = min(spent_s for spent_s, reached in ours if reached <= largest)
         tell(
-            f"focus at {required:.1%} error, compiled differences over ours",
-            time_at(theirs, required) / ours_s,
+            f"focus at {largest:.1%} error, compiled differences over ours",
+            time_at(theirs, largest) / ours_s,
             at_least=goal,
         )
 

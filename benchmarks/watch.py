@@ -123,19 +123,19 @@ def main() -> None:
     parser.add_argument("--n-trials", type=int, default=82, help="of each of 21 tracks")
     parser.add_argument("--n-live", type=int, default=24)
     parser.add_argument("--pace-s", type=float, default=TRIAL_S)
-    requested = parser.parse_args()
+    arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         whole, root = Path(folder) / "simulated", Path(folder) / "watched"
-        lines = long_session(whole, requested.n_trials)
+        lines = long_session(whole, arguments.n_trials)
         records = [n for n, line in enumerate(lines) if isinstance(line, Entry) and isinstance(line.request, Record)]
-        begin = records[-requested.n_live - 1] + 1
+        begin = records[-arguments.n_live - 1] + 1
         make_folder(root / "journals")
         (root / "study.toml").write_bytes((whole / "study.toml").read_bytes())
         journal = Journal(root / "journals" / sessions(whole)[0].name, resume=False, syncs_trials=False)
         journal.begin(lines[0])  # type: ignore[arg-type]
         traces = TraceFiles(root, Session("P01", 1, "electrovibration-threshold"))
         list(write(journal, lines[1:begin], traces))
-        measure(root, journal, lines[begin:], traces, requested.pace_s)
+        measure(root, journal, lines[begin:], traces, arguments.pace_s)
         traces.close()
         journal.close()
 

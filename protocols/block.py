@@ -86,13 +86,13 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
         outcome = yield from block.task.trial(shown, rng)
         # the row states which tracks its presentation aborts, so the state is updated before the row is recorded
         before, state = state, state.after(slot, outcome)
-        required = yield from _record_rows(block, number, slot, outcome, before, state)
+        wanted = yield from _record_rows(block, number, slot, outcome, before, state)
         rested_s = outcome.onset_s if rested_s is None else rested_s
         since_s = outcome.onset_s - rested_s
         if outcome.valid and state.open() and block.options.rests(state.n_valid, since_s):  # none after the last trial
-            required += yield from _rest(block.options)
+            wanted += yield from _rest(block.options)
             rested_s = None
-        state = yield from _intervene(begun, number, state, required)
+        state = yield from _intervene(begun, number, state, wanted)
     return state.tracks, state.next_trial
 
 
@@ -109,20 +109,20 @@ def _intervene(
     while wanted:
         intervention, *later = wanted
         is_open = bool(state.open())
-        stated: tuple[Intervention, ...] = ()
+        during_rest: tuple[Intervention, ...] = ()
         match intervention.wanted:
             case "invalidate":
                 state, request = _without(begun, number, state, intervention)
                 yield request
             case "rest":
                 yield Intervene(intervention, "a rest" if is_open else BETWEEN)
-                stated = (yield from _rest(state.options)) if is_open else ()
+                during_rest = (yield from _rest(state.options)) if is_open else ()
             case "skip" | "end":
                 how = "skipped" if intervention.wanted == "skip" else "left, and the session ends"
                 ended = f"is {how}" if is_open else "had come to its end"
                 yield Intervene(intervention, f"block {number} {ended}")
                 state = state.skip()
-        wanted = (*later, *stated)
+        wanted = (*later, *during_rest)
     return state
 
 

@@ -14,11 +14,11 @@ BETWEEN: Final = "the page that comes next waits for the participant: that is a 
 
 def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]:
     """Make all requests and return the experimenter's interventions."""
-    required: list[Intervention] = []
+    wanted: list[Intervention] = []
     for request in requests:
         done: Done = yield request
-        required += done.interventions
-    return tuple(required)
+        wanted += done.interventions
+    return tuple(wanted)
 
 
 def hearing(course: Course[T], wanted: list[Intervention], felt: list[Trial]) -> Course[T]:

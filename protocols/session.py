@@ -79,20 +79,20 @@ class Inquiry:
 
     def course(self, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
         if isinstance(self.form, ChoiceForm):
-            required = yield from self._choices(self.form, number, first_trial)
+            wanted = yield from self._choices(self.form, number, first_trial)
         else:
             replies = yield from fill_in(self.form, rng, shuffled=self.shuffled)
-            required = yield from heard(Record(self._row(number, first_trial, reply)) for reply in replies)
-        yield from between_blocks(required)
+            wanted = yield from heard(Record(self._row(number, first_trial, reply)) for reply in replies)
+        yield from between_blocks(wanted)
         return (), first_trial + 1
 
     def _choices(self, form: ChoiceForm, number: int, trial: int) -> Course[tuple[Intervention, ...]]:
         """Ask each question on a page, and record its answer before the next one."""
-        required: tuple[Intervention, ...] = ()
+        wanted: tuple[Intervention, ...] = ()
         for item in form.items:
             reply = yield from reply_to(form, item)
-            required += yield from heard([Record(self._row(number, trial, reply))])
-        return required
+            wanted += yield from heard([Record(self._row(number, trial, reply))])
+        return wanted
 
     def _row(self, number: int, trial: int, reply: Reply) -> Trial:
         assert reply.answer is not None
@@ -124,13 +124,13 @@ def question_of(form: ChoiceForm, item: ChoiceItem) -> Choose:
 
 def reply_to(form: ChoiceForm, item: ChoiceItem) -> Course[Reply]:
     """Ask a question and return its code or number, or no response."""
-    requested = question_of(form, item)
-    chosen: Chosen = yield requested
+    question = question_of(form, item)
+    chosen: Chosen = yield question
     if item.bounds is None:
         return Reply(chosen, float(chosen.option), item=item.id)
     if chosen.option == NOT_SAID:
         return Reply(chosen, item=item.id)
-    number: Rated = yield Enter(requested.question, *item.bounds)
+    number: Rated = yield Enter(question.question, *item.bounds)
     return Reply(number, number.value, item=item.id)
 
 
@@ -138,9 +138,9 @@ def words_of(form: ChoiceForm, language: str) -> dict[str, str]:
     """Return the texts of a form by name, with braces escaped."""
     words: dict[str, str] = {}
     for item in form.items:
-        requested = question_of(form, item)
-        words[requested.question] = item.prompt.get(language, "").replace("{", "{{").replace("}", "}}")
-        labels = zip(item.options, requested.labels, strict=False)  # without the label for no answer, shared by all
+        question = question_of(form, item)
+        words[question.question] = item.prompt.get(language, "").replace("{", "{{").replace("}", "}}")
+        labels = zip(item.options, question.labels, strict=False)  # without the label for no answer, shared by all
         words |= {label: item.category(option.code, language) for option, label in labels}
     return words
 
@@ -179,24 +179,24 @@ def session(
 
     No part begins later than `longest_s` after the start. If `consent` is asked for, no part begins without it.
     """
-    required: list[Intervention] = []
+    wanted: list[Intervention] = []
     begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
-    required += begun.interventions
+    wanted += begun.interventions
     yield from between_blocks(begun.interventions)
-    if consent and (yield from _declined(required)):
+    if consent and (yield from _declined(wanted)):
         yield from between_blocks((yield from heard([Show("declined")])))
         return tuple(replace(track, begun=False) for part in parts for track in part.tracks)
     tracks: list[Track] = []
     felt: list[Trial] = []
     trial = 1
     for number, part in enumerate(parts, 1):
-        if _ends(required):
+        if _ends(wanted):
             tracks += [replace(track, begun=False) for track in part.tracks]
             continue
         if isinstance(part, Inquiry) and part.of_block and not felt:
             continue
         felt = felt if isinstance(part, Inquiry) else []
-        at_s = yield from _opened([*_instructions(parts, number), _page(parts, number)], f"block {number}", required)
+        at_s = yield from _opened([*_instructions(parts, number), _page(parts, number)], f"block {number}", wanted)
         if at_s is None:
             tracks += [replace(track, skipped=True) for track in part.tracks]
             continue
@@ -206,8 +206,8 @@ def session(
             break
         again = True
         while again:
-            ended, trial = yield from hearing(part.course(number, trial, rng), required, felt)
-            again = yield from _practises_again(ended, _page(parts, number), required)
+            ended, trial = yield from hearing(part.course(number, trial, rng), wanted, felt)
+            again = yield from _practises_again(ended, _page(parts, number), wanted)
         tracks += ended
     yield from between_blocks((yield from heard([Show("end")])))
     return tuple(tracks)
@@ -241,9 +241,9 @@ def _opened(pages: Sequence[Show], ahead: str, wanted: list[Intervention]) -> Co
 def _declined(wanted: list[Intervention]) -> Course[bool]:
     """Ask for consent, which only the journal records. Return True for no."""
     if not _ends(wanted):
-        stated = yield from heard([Show("consent")])
-        yield from between_blocks(stated)
-        wanted += stated
+        more = yield from heard([Show("consent")])
+        yield from between_blocks(more)
+        wanted += more
     if _ends(wanted):
         return False
     chosen: Chosen = yield Choose(CONSENT, (0, 1), ("no", "yes"))

@@ -107,9 +107,9 @@ def reworded(error: TactometryError, kind: type[TactometryError], tell: Callable
     """Return an error of class `kind` with each message converted by `tell`."""
     parts: list[TactometryError] = []
     for part in each_of(error):
-        stated = kind(tell(str(part)))
-        stated.__context__ = part
-        parts.append(stated)
+        copy = kind(tell(str(part)))
+        copy.__context__ = part
+        parts.append(copy)
     return parts[0] if len(parts) == 1 else Mistakes(parts)
 
 

@@ -97,12 +97,12 @@ def _real_numbers(values: object) -> FloatArray:
     """
     expected = "real numbers"
     expect(not _is_masked(values), "Signal.samples", "a masked array", f"{expected}; fill the masked values")
-    result = as_array(values)
-    if result is None:
+    found = as_array(values)
+    if found is None:
         raise InvalidParameter(f"Signal.samples: found rows that do not form an array, expected {expected}")
-    expect(result.dtype.kind in "biuf", "Signal.samples", f"values of type {result.dtype!s:.60}", expected)
+    expect(found.dtype.kind in "biuf", "Signal.samples", f"values of type {found.dtype!s:.60}", expected)
     with np.errstate(over="ignore"):  # a too large long double becomes infinite and is refused with its index
-        return np.array(result, dtype=np.float64)
+        return np.array(found, dtype=np.float64)
 
 
 def _is_masked(values: object) -> bool:

@@ -147,16 +147,16 @@ def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any
                 return expected.plain(value)
             code = getattr(getattr(kind, name), "__code__", None)
             where = f"{code.co_filename}, line {code.co_firstlineno}" if code else str(getattr(kind, name))
-            result = f"{_briefly(value)} as the answer of {name}"
+            found = f"{_briefly(value)} as the answer of {name}"
         except TactometryError:
             raise
         except BaseException as error:  # user code may raise any exception
             if _is_end(error):
                 raise
             where = place_of(error, folder) or kind.__name__
-            result = f"{type(error).__name__} ({reason(error)}) in {name}"
-            raise InvalidParameter(f"{where}: found {result}, expected an answer; {REMEDY}") from None
-        raise InvalidParameter(f"{where}: found {result}, expected {expected.words}; {REMEDY}")
+            found = f"{type(error).__name__} ({reason(error)}) in {name}"
+            raise InvalidParameter(f"{where}: found {found}, expected an answer; {REMEDY}") from None
+        raise InvalidParameter(f"{where}: found {found}, expected {expected.words}; {REMEDY}")
 
     return call
 

@@ -152,9 +152,9 @@ def _refuse_unknown(design: BoundedDesign) -> None:
     known = np.stack([is_known[group == g].sum(axis=0) for g in range(len(design.groups))])
     for names, n in zip(design.cells(), known.ravel(), strict=True):
         cell = ", ".join(f"{name} = {level}" for name, level in names.items()) or "table"
-        result = f"{n} known value{'s' if n != 1 else ''}"
+        found = f"{n} known value{'s' if n != 1 else ''}"
         expected = f"at least {MIN_KNOWN} in addition to bounds; remove this condition"
-        expect_defined(n >= MIN_KNOWN, DesignStatus.TOO_FEW_KNOWN, cell, result, expected)
+        expect_defined(n >= MIN_KNOWN, DesignStatus.TOO_FEW_KNOWN, cell, found, expected)
 
 
 def _standardised(design: BoundedDesign, dependent: str) -> BoundedDesign:

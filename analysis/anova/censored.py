@@ -111,9 +111,9 @@ def _determined_fit(design: BoundedDesign) -> BoundedFit:
     except np.linalg.LinAlgError:
         errors = np.array([np.nan])
     is_determined = np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE
-    result = "a likelihood without a maximum"
+    found = "a likelihood without a maximum"
     expected = f"enough known values for each mean; {LEAVE_OUT}"
-    expect_defined(is_determined, DesignStatus.NO_MAXIMUM, "censored_anova", result, expected)
+    expect_defined(is_determined, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     return fit
 
 
@@ -131,8 +131,8 @@ def _effects(design: BoundedDesign, fit: BoundedFit, interval: float) -> pd.Data
             tested.append(_wald_test(fit, stratum, apart, f"{between} * {name}"))
 
     least = min((effect.df[1] for effect in tested), default=1.0)
-    result, expected = f"{least:.1f} error degrees of freedom", f"at least 1; {LEAVE_OUT}"
-    expect_defined(least >= 1, DesignStatus.NO_MAXIMUM, "censored_anova", result, expected)
+    found, expected = f"{least:.1f} error degrees of freedom", f"at least 1; {LEAVE_OUT}"
+    expect_defined(least >= 1, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     # With groups, a within-participant effect and its interaction with the group share an error.
     errors = sum(effect.ss_error for effect in (tested[1::2] if between else tested))
     residual = float(fit.variances[0] * fit.inflation * fit.df_of(0) + errors)

@@ -156,9 +156,9 @@ def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, whe
     bad = ~np.isfinite(values)
     row = int(bad.argmax())
     place = ", ".join(f"{name} = {data[name][row]}" for name in columns if name != dependent)
-    result = f"{data[dependent][row]} ({place})"
+    found = f"{data[dependent][row]} ({place})"
     expected = "a finite number; remove the participant or the condition"
-    expect_defined(not bad.any(), DesignStatus.NOT_FINITE, f"{dependent}, row {row}", result, expected)
+    expect_defined(not bad.any(), DesignStatus.NOT_FINITE, f"{dependent}, row {row}", found, expected)
     expect_names(data, [name for name in columns if name != dependent])
     return data.assign(**{dependent: values})
 
@@ -187,8 +187,8 @@ def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequenc
     The first item of `levels` lists the participants.
     """
     n = len(levels[0])
-    result, expected = f"{n} participant{'s' if n != 1 else ''}", f"at least {MIN_PARTICIPANTS} to compare"
-    expect_defined(n >= MIN_PARTICIPANTS, DesignStatus.TOO_FEW_PARTICIPANTS, subject, result, expected)
+    found, expected = f"{n} participant{'s' if n != 1 else ''}", f"at least {MIN_PARTICIPANTS} to compare"
+    expect_defined(n >= MIN_PARTICIPANTS, DesignStatus.TOO_FEW_PARTICIPANTS, subject, found, expected)
     for name, values in zip(within, levels[1:], strict=True):
         refuse_one(name, len(values), "value")
 
@@ -230,20 +230,20 @@ def spread(values: Array, dependent: str) -> float:
     refuse_constant(sd, size, dependent)
     within = values - values.mean(axis=1, keepdims=True)
     has_differences = np.abs(within).max() > RELATIVE_ZERO * size
-    result = "no difference between the conditions of any participant"
+    found = "no difference between the conditions of any participant"
     expect_defined(
         has_differences,
         DesignStatus.NO_VARIANCE_WITHIN,
         dependent,
-        result,
+        found,
         "differences, without which F is undefined",
     )
     has_error = np.abs(within - within.mean(axis=0)).max() > RELATIVE_ZERO * size
-    result, expected = (
+    found, expected = (
         "the same differences in all participants",
         "some error, without which F is undefined",
     )
-    expect_defined(has_error, DesignStatus.ZERO_ERROR, dependent, result, expected)
+    expect_defined(has_error, DesignStatus.ZERO_ERROR, dependent, found, expected)
     return sd * unit
 
 

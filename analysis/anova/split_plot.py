@@ -92,8 +92,8 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
     Raises `InvalidParameter` for a participant in two groups, fewer than two groups, or a group of one.
     """
     n_groups = rows.groupby(subject, observed=True)[between].nunique(dropna=False)
-    result = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"
-    expect((n_groups == 1).all(), between, result, "one group; declare it as a within-participants factor")
+    found = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"
+    expect((n_groups == 1).all(), between, found, "one group; declare it as a within-participants factor")
     group_of = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
     of, names = pd.factorize(np.array([group_of[code] for code in participants]), sort=True)
     sizes = np.bincount(of)

@@ -314,9 +314,9 @@ def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:
     if endless is not None:
         steepest = int(np.argmax(np.abs(endless)))
         raise _endless(matrix.names[steepest])
-    result = "known values that terms and participants explain exactly"
+    found = "known values that terms and participants explain exactly"
     has_error = not leaves_no_error(ends, matrix.x, matrix.groups)
-    expect(has_error, "censored_model", result, "more known values, or fewer terms")
+    expect(has_error, "censored_model", found, "more known values, or fewer terms")
 
 
 def _endless(name: str) -> InvalidParameter:
@@ -331,9 +331,9 @@ def _refuse_endless(maximum: Maximum, matrix: ModelDesign) -> None:
     worst = int(np.argmax(errors))
     if not (np.isfinite(maximum.log_likelihood) and errors[worst] <= WIDEST_SE):
         raise _endless(matrix.names[worst])
-    result = f"a likelihood that still rises (gradient {maximum.gradient:.2g})"
+    found = f"a likelihood that still rises (gradient {maximum.gradient:.2g})"
     expected = "a maximum, which needs more known values for these terms"
-    expect(maximum.gradient * errors[worst] <= LARGEST_STEP, "censored_model", result, expected)
+    expect(maximum.gradient * errors[worst] <= LARGEST_STEP, "censored_model", found, expected)
 
 
 def _intercept_fit(maximum: Maximum, design: ModelDesign, log_likelihood: float) -> InterceptFit:

@@ -125,11 +125,11 @@ def mixed_model(
     y = design.y / size
     centre, scale = float(y.mean()), float(y.std())
     refuse_constant(scale, float(np.abs(y).max()), dependent)
-    result, expected = (
+    found, expected = (
         "values that participants and terms explain exactly",
         "values with some error, as F is undefined without error",
     )
-    expect_defined(_has_error(y, design), DesignStatus.ZERO_ERROR, dependent, result, expected)
+    expect_defined(_has_error(y, design), DesignStatus.ZERO_ERROR, dependent, found, expected)
     fit = _fit((y - centre) / scale, design)
     log_unit = (len(y) - len(fit.estimates)) * float(np.log(scale) + np.log(size))
     fit = replace(fit, log_likelihood=fit.log_likelihood - log_unit)

@@ -127,8 +127,8 @@ def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
     if not {"rig", "level_delivered"} <= set(rows.columns):
         return
     is_felt = rows["level"].notna() & ~rows["task"].isin(SETTINGS)
-    requested = rows[(rows["rig"] != "") & ~holds(rows, "valid", 0) & is_felt]
-    silent = requested[requested["level_delivered"].isna()]
+    played = rows[(rows["rig"] != "") & ~holds(rows, "valid", 0) & is_felt]
+    silent = played[played["level_delivered"].isna()]
     if len(silent):
         yield f"no stimulus was presented in some trials with a level ({_codes(silent)}); these answers are invalid"
 

@@ -212,10 +212,10 @@ def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
     is_count = (positive >= 0) & (positive <= total) & (positive % 1 == 0) & (total % 1 == 0)
     if not is_count.all():
         wrong = table[~is_count]
-        result = " of ".join(wrong[name].iloc[0] or "nothing" for name in (POSITIVE, TOTAL))
+        found = " of ".join(wrong[name].iloc[0] or "nothing" for name in (POSITIVE, TOTAL))
         first, *others = wrong["row"]
         raise InvalidFile(
-            f"{file}{rows_text(first, others, len(wrong))}: found {result} ({POSITIVE} of {TOTAL}), expected whole "
+            f"{file}{rows_text(first, others, len(wrong))}: found {found} ({POSITIVE} of {TOTAL}), expected whole "
             f"numbers, with {POSITIVE} not above {TOTAL}"
         )
     if total.sum() > MOST_COUNTED:
@@ -258,8 +258,8 @@ def survey_answers(table: pd.DataFrame, file: Path, warn: Callable[[str], None])
     rows = table.loc[table.index.repeat(times)]
     is_item = rows.index.isin(list(answers))
     items = [item for place in table.index if place in answers for item in answers[place].items()]
-    stated = {"item": [key for key, _ in items], "response": [text for _, text in items], "task": FORM_TASK}
-    for name, texts in stated.items():
+    columns = {"item": [key for key, _ in items], "response": [text for _, text in items], "task": FORM_TASK}
+    for name, texts in columns.items():
         column = np.full(len(rows), "", dtype=object)
         if name in rows.columns:
             column[:] = rows[name]

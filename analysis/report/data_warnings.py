@@ -168,8 +168,8 @@ def _practice_warnings(analysis: Analysis) -> Iterator[str]:
         missed = quality.loc[quality["practice_missed"] == 1, "participant"]
         yield f"practice criterion not met: {', '.join(missed)}"
     if len(events):
-        requested = events[events["text"].str.startswith(PRACTICE_MISSED)]
-        chosen = requested["text"].str.removeprefix(PRACTICE_MISSED).groupby(requested["participant"]).agg(", ".join)
+        answers = events[events["text"].str.startswith(PRACTICE_MISSED)]
+        chosen = answers["text"].str.removeprefix(PRACTICE_MISSED).groupby(answers["participant"]).agg(", ".join)
         if len(chosen):
             choices = "; ".join(f"{participant} {words}" for participant, words in chosen.items())
             yield f"decision of the experimenter after missed practice criterion: {choices}"

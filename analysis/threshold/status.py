@@ -84,14 +84,14 @@ Statuses = NDArray[np.object_]
 
 def notes(counts: Counts, status: Statuses, interval: float) -> list[str]:
     """Return a note that explains each status."""
-    stated = [Status(word).note for word in status]
+    texts = [Status(word).note for word in status]
     for i in np.flatnonzero((status == Status.TOO_FEW_LEVELS) & (counts.n_levels == 1)):
         k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
         low, high = exact_interval(k, n, interval)
-        stated[i] = (
+        texts[i] = (
             f"only one level ({k:.0f} of {n:.0f} answers, rate {low:.3f} to {high:.3f}), so there is no threshold"
         )
-    return stated
+    return texts
 
 
 def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Status]:

@@ -136,8 +136,8 @@ class BenchFile:
         ages = [part for part, one in measured.items() if one is not None and isinstance(one.max_age_days, Unlimited)]
         limits = () if self.limits is None else self.limits.switched_off
         unlimited = (*(f"limits.{name}" for name in limits), *(f"{part}.max_age_days" for part in ages))
-        stated = [words for words, is_said in allowed.items() if is_said]
-        return tuple(f"bench file, {words}" for words in (*stated, *map(warning_of, unlimited)))
+        permitted = [words for words, is_said in allowed.items() if is_said]
+        return tuple(f"bench file, {words}" for words in (*permitted, *map(warning_of, unlimited)))
 
     @property
     def release(self) -> bool:
@@ -205,8 +205,8 @@ def _scalars(table: Mapping[str, Any]) -> Iterator[tuple[str, Fact]]:
 
 
 def _provenance(measured: Measured) -> str | None:
-    stated = [str(part) for part in (measured.measured_on, measured.measured_by) if part is not None]
-    return " ".join(stated) or None
+    parts = [str(part) for part in (measured.measured_on, measured.measured_by) if part is not None]
+    return " ".join(parts) or None
 
 
 def load_bench(path: Path | None) -> BenchFile:
@@ -232,14 +232,14 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
     >>> bench.limits.voltage_peak_v
     2000.0
     """
-    result, parts = Gathered(), {}
-    table = as_si(dict(tables), "", result)
-    with result.part():
+    mistakes, parts = Gathered(), {}
+    table = as_si(dict(tables), "", mistakes)
+    with mistakes.part():
         check_keys(table, _PARTS, "", read_by=BenchFile)
     for key in filter(_PARTS.__contains__, table):
-        with result.part():
+        with mistakes.part():
             parts[key] = _PARTS[key](as_table(table[key], key), key)
-    result.end()
+    mistakes.end()
     return BenchFile(**parts)
 
 
@@ -250,13 +250,13 @@ def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, 
 
 def _part(kind: type[T], table: Mapping[str, Any], path: str, **inner: Callable[[], object]) -> T:
     """Build a part of the bench with its inner parts, and report all mistakes."""
-    result, made = Gathered(), {}
+    mistakes, made = Gathered(), {}
     for name, build_inner in inner.items():
-        with result.part():
+        with mistakes.part():
             made[name] = build_inner()
-    with result.part():
+    with mistakes.part():
         values_of(kind, table, path, inner)
-    result.end()
+    mistakes.end()
     return build(kind, table, path, **made)
 
 
@@ -268,11 +268,11 @@ def _output(table: Mapping[str, Any], path: str) -> OutputPart:
 
 
 def _sensors(tables: Mapping[str, Any], path: str) -> dict[str, SensorPart]:
-    result, sensors = Gathered(), {}
+    mistakes, sensors = Gathered(), {}
     for name, table in tables.items():
-        with result.part():
+        with mistakes.part():
             sensors[name] = _sensor(as_table(table, f"{path}.{name}"), f"{path}.{name}")
-    result.end()
+    mistakes.end()
     return sensors
 
 

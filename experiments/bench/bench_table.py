@@ -77,10 +77,10 @@ def _edited(before: str, name: str, values: Mapping[str, object]) -> str:
     kept = {
         key: value for key, value in {**_within(tomllib.loads(before), name), **values}.items() if value is not None
     }
-    required = {key: list(value) if isinstance(value, tuple) else value for key, value in kept.items()}
+    expected = {key: list(value) if isinstance(value, tuple) else value for key, value in kept.items()}
     try:
         after = with_values(before, name, values)
-        is_done = _within(tomllib.loads(after), name) == required
+        is_done = _within(tomllib.loads(after), name) == expected
     except (TOMLKitError, tomllib.TOMLDecodeError):
         is_done = False
     expect(is_done, name, "a layout of this table that cannot be edited", f"[{name}]; copy the printed keys by hand")

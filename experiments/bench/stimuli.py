@@ -185,8 +185,8 @@ def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
     from tactometry.stimuli.time_reversal.responses.learning import read_provenance
 
     path = Path(learnt.responses)
-    stated = read_provenance(path) if path.suffix == ".npz" else {}
-    when = " ".join(str(stated[key]) for key in ("measured_on", "measured_by") if key in stated)
+    provenance = read_provenance(path) if path.suffix == ".npz" else {}
+    when = " ".join(str(provenance[key]) for key in ("measured_on", "measured_by") if key in provenance)
     digest = sha256(path.read_bytes())
     return {"responses": path.name, "responses_sha256": digest, "responses_measured": when or None}
 

@@ -42,8 +42,8 @@ def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str
     for participant, session, rows in source.sessions():
         stem = f"sub-{participant}/ses-{session}/beh/sub-{participant}_ses-{session}"
         for name in source.asked:
-            requested = [row for row in rows if source.form(row) == name]
-            files |= _table(f"{stem}_task-{_label(name)}_beh", requested, source, f"Questionnaire {name}.", timed=False)
+            answers = [row for row in rows if source.form(row) == name]
+            files |= _table(f"{stem}_task-{_label(name)}_beh", answers, source, f"Questionnaire {name}.", timed=False)
         stem += f"_task-{task_label(source)}"
         trials = [row for row in rows if not source.form(row)]
         for timed, name in ((True, f"{stem}_run-01_events"), (False, f"{stem}_beh")):

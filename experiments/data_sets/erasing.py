@@ -91,14 +91,14 @@ def _erase(root: Path, participant: str) -> Erased:
     with held(before):
         result = _plan(root, participant)
         with held(_there(result.journals) - before):  # journals of a session that began meanwhile
-            stated, begun = _told(root, participant, result), _begin(root, participant, result)
+            planned, begun = _told(root, participant, result), _begin(root, participant, result)
             _remove(result.files if os.name == "posix" else (*result.derived, *result.own))
     _remove(result.journals)  # other systems cannot erase an open file
     _remove_empty(root, {*result.files, *(root / name for name in begun.files)})
     done = replace(begun, finished_utc=_now(), files=())
     write_erasures(root, [done if erasure == begun else erasure for erasure in read_erasures(root)])
     _remove(drafts(root, RECORD))  # drafts of the record, left by an interruption
-    return replace(stated, n_sessions=done.n_sessions, erasure=done)
+    return replace(planned, n_sessions=done.n_sessions, erasure=done)
 
 
 def _there(journals: Iterable[Path]) -> set[Path]:

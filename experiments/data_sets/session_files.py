@@ -165,5 +165,5 @@ def positions_defects(journal: Path, trials: Iterable[Trial]) -> Iterator[Defect
     for digest in required:
         lines = paths.get(digest, b"")  # A touch during which the sensor was silent has an empty path, without rows.
         if digest_of(lines) != digest:
-            result = "another path than the recorded one" if lines else "no path"
-            yield Defect(name, None, f"found {result} under {digest}, expected the recorded path; restore a copy")
+            found = "another path than the recorded one" if lines else "no path"
+            yield Defect(name, None, f"found {found} under {digest}, expected the recorded path; restore a copy")

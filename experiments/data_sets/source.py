@@ -130,7 +130,7 @@ def read_source(path: Path) -> ExportedDataSet:
 def _trace_columns(root: Path, names: Sequence[str]) -> tuple[Column, ...]:
     """Return the columns of a data set's traces that its rows do not have."""
     explained = [read_sidecar(sidecar_of(file)) for file in files_in(root / FOLDER, "*.tsv.gz")]
-    columns = {column.name: column for stated in explained for column in stated.columns}
+    columns = {column.name: column for description in explained for column in description.columns}
     return tuple(column for name, column in columns.items() if name not in names)
 
 
@@ -152,8 +152,8 @@ def _asked_of(trials: Trials, known: Mapping[str, T]) -> dict[str, T]:
     rows = trials.rows
     if not {"item", "procedure"} <= set(rows.columns):
         return {}
-    requested = set(rows.loc[rows["task"] == FORM_TASK, "procedure"])
-    return {name: form for name, form in sorted(known.items()) if name in requested}
+    answered = set(rows.loc[rows["task"] == FORM_TASK, "procedure"])
+    return {name: form for name, form in sorted(known.items()) if name in answered}
 
 
 def _column(name: str, description: Mapping[str, object]) -> Column:

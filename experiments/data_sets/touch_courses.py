@@ -70,7 +70,7 @@ def touch_courses(path: Path) -> pd.DataFrame:
     courses = [course for _, result in read_or_not for course in result or ()]
     unread = Counter(touch.head.participant for touch, result in read_or_not if result is None)
     by_wanted = groupby(sorted(courses, key=lambda course: course.wanted[:3]), key=lambda course: course.wanted)
-    tables = [_table(required, list(group), unread[required.participant]) for required, group in by_wanted]
+    tables = [_table(key, list(group), unread[key.participant]) for key, group in by_wanted]
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
 
 
@@ -158,5 +158,5 @@ def measured_losses(path: Path) -> list[LossRow]:
 
 
 def _contactor(variants: Mapping[str, Mapping[str, Any]], row: Mapping[Any, Any]) -> tuple[str, float]:
-    stated = variants[row["contactor"]]["sensation"]
-    return stated["contactor"], stated.get("diameter_m", FINGER_DIAMETER_M)
+    sensation = variants[row["contactor"]]["sensation"]
+    return sensation["contactor"], sensation.get("diameter_m", FINGER_DIAMETER_M)

@@ -168,11 +168,11 @@ def _journal(path: Path, participant: str | None, session: int | None) -> Path:
     every = list(sessions(path))
     expect(bool(every), path, "no journal", "a data set with journals/*.jsonl, or a journal", InvalidFile)
     requested = {"participant": participant, "session": None if session is None else str(session)}
-    required = {key: value for key, value in requested.items() if value is not None}
-    meant = [journal for journal in every if required.items() <= keys_of(journal.stem).items()]
+    given = {key: value for key, value in requested.items() if value is not None}
+    meant = [journal for journal in every if given.items() <= keys_of(journal.stem).items()]
     if len(meant) != 1:
-        result = f"{count_of(len(meant), 'session')}{' of ' if required else ''}{', '.join(required.values())}"
-        raise InvalidFile(f"{path}: found {result}, expected one; state its participant and session")
+        found = f"{count_of(len(meant), 'session')}{' of ' if given else ''}{', '.join(given.values())}"
+        raise InvalidFile(f"{path}: found {found}, expected one; state its participant and session")
     return meant[0]
 
 
@@ -256,12 +256,14 @@ def described(root: Path, parts: Sequence[TracePart]) -> TraceDescription:
     Raises `InvalidFile` if the description is missing, damaged, or does not fit the samples.
     """
     beside = root / sidecar_of(Path(parts[0].file))
-    stated = read_sidecar(beside)
+    description = read_sidecar(beside)
     first, last = read_part(root, parts[0]), read_part(root, parts[-1])
     one_each = f"a name for each of the {first.shape[1]} columns of the samples"
-    expect(first.shape[1] == len(stated.columns), f"{beside}: Columns", stated.names, one_each, InvalidFile)
+    expect(first.shape[1] == len(description.columns), f"{beside}: Columns", description.names, one_each, InvalidFile)
     if kind_of(parts[0]) != "emitted":
-        n_samples = (last[-1, 0] - first[0, 0]) * stated.rate_hz
+        n_samples = (last[-1, 0] - first[0, 0]) * description.rate_hz
         rate = f"the rate of the samples, at most {MOST_SAMPLES} in a session"
-        expect(n_samples < MOST_SAMPLES, f"{beside}: SamplingFrequency", f"{stated.rate_hz:g} Hz", rate, InvalidFile)
-    return stated
+        expect(
+            n_samples < MOST_SAMPLES, f"{beside}: SamplingFrequency", f"{description.rate_hz:g} Hz", rate, InvalidFile
+        )
+    return description

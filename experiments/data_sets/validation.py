@@ -190,12 +190,12 @@ def _description(root: Path, contents: dict[Path, bytes]) -> Iterator[Defect]:
         yield Defect(name, None, "found no such file, expected the description that Psych-DS requires")
         return
     description = read_description(root / name)
-    required = {"@context": "https://schema.org/", "@type": "Dataset"}
-    wrong = [key for key, value in required.items() if description.get(key) != value]
+    expected = {"@context": "https://schema.org/", "@type": "Dataset"}
+    wrong = [key for key, value in expected.items() if description.get(key) != value]
     texts = {key: description.get(key) for key in ("name", "description")}
     missing = [key for key, text in texts.items() if not text or not isinstance(text, str)]
     for key in (*wrong, *missing):
-        yield Defect(name, None, f"{key}: found {description.get(key)!r:.60}, expected {required.get(key, 'a text')!r}")
+        yield Defect(name, None, f"{key}: found {description.get(key)!r:.60}, expected {expected.get(key, 'a text')!r}")
     try:
         described = set(variable_names(description))
     except InvalidParameter as error:

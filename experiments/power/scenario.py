@@ -93,8 +93,8 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     task = experiment.table.kind
     why = REFUSED.get(task, "the effect of a factor on it is not defined")
     expect(task in SUPPORTED, f"{design.where}, task.kind", f"{task!r}", f"one of {', '.join(SUPPORTED)}: {why}")
-    requested = f"the factor {design.effect.factor!r}, whose levels are the alternatives of a trial"
-    expect(experiment.table.over != design.effect.factor, "--effect", requested, "another factor")
+    found = f"the factor {design.effect.factor!r}, whose levels are the alternatives of a trial"
+    expect(experiment.table.over != design.effect.factor, "--effect", found, "another factor")
     _check_places(experiment, applied_effect(design.effect, study).factor)
     known = _check_scores(design, experiment) if task == FORM_TASK else _check_levels(design, experiment)
     if design.dependent:
@@ -212,8 +212,8 @@ def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) ->
     """
     middle_db, slopes = growths(experiment, effect.factor)
     for level, db in middle_db.items():
-        result = f"no sensation at {effect.factor} {level} in the middle of the levels"
-        expect(np.isfinite(db) and slopes[level] > 0, "--effect", result, "a sensation that grows with the level")
+        found = f"no sensation at {effect.factor} {level} in the middle of the levels"
+        expect(np.isfinite(db) and slopes[level] > 0, "--effect", found, "a sensation that grows with the level")
     common_db = float(np.mean(list(middle_db.values())))
     changes = effect.of_levels(experiment.study.factors[effect.factor])
     effects_db = {level: changes[level] if effect.is_felt else -slopes[level] * changes[level] for level in middle_db}

@@ -111,8 +111,8 @@ class GatedTouchComponent(_StudyComponent):
 
     def writeRoutineEndCode(self, buff: Any) -> None:  # noqa: N802
         inner = self.exp.flow._loopList[-1:]
-        recorded = [loop.name for loop in inner if isinstance(loop, TactometryLoop) and self.params["asks"].val]
-        code = f"{recorded[0]}.hear(%(name)s.outcome)\n" if recorded else KEEP
+        names = [loop.name for loop in inner if isinstance(loop, TactometryLoop) and self.params["asks"].val]
+        code = f"{names[0]}.hear(%(name)s.outcome)\n" if names else KEEP
         buff.writeIndentedLines(code % self.params)
 
 

@@ -162,6 +162,6 @@ def of_reply(form: Questionnaire | ChoiceForm, reply: Reply) -> dict[str, float 
     row: dict[str, float | str | None] = {"item": reply.item, "response": reply.response}
     if not isinstance(form, ChoiceForm):
         return row
-    requested = None if reply.item is None else form.item(reply.item)
-    code = 0 if requested is None or reply.response is None or requested.bounds is not None else int(reply.response)
-    return row | {"category": "" if requested is None else requested.category(code)}
+    item = None if reply.item is None else form.item(reply.item)
+    code = 0 if item is None or reply.response is None or item.bounds is not None else int(reply.response)
+    return row | {"category": "" if item is None else item.category(code)}

@@ -145,8 +145,8 @@ class PsychoPyStudy:
             return form_of(study, name, "questionnaire")
         is_allowed = any(inquiry.form == name and inquiry.identifies for inquiry in study.inquiries.values())
         cure = "an inquiry for it with identifies = true, or questions with bands instead of numbers"
-        result = f"{', '.join(form.numbers)}, which could identify a participant"
-        expect(is_allowed or not form.numbers, f"questionnaire {name}", result, cure)
+        found = f"{', '.join(form.numbers)}, which could identify a participant"
+        expect(is_allowed or not form.numbers, f"questionnaire {name}", found, cure)
         return form
 
     def _replies(self, form: Questionnaire | ChoiceForm) -> Iterable[Reply]:

@@ -131,11 +131,11 @@ def _in_python_only(hint: Any) -> bool:
 
 def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
     """Yield the distinct expectations in errors of the class for the probes."""
-    stated: list[str] = []
+    expectations: list[str] = []
     for probe in (probe for kind in _parts(hint) for probe in _probes(kind)):
         expected = _expectation(table, name, probe)
-        if expected and not any(expected in other or other in expected for other in stated):
-            stated.append(expected)
+        if expected and not any(expected in other or other in expected for other in expectations):
+            expectations.append(expected)
             yield expected
 
 
@@ -202,9 +202,9 @@ def meanings(kind: type) -> Mapping[str, str]:
     for base in reversed(kind.__mro__):
         own = _parameters(base)
         of_bases |= {name: text for name, text in own.items() if name not in of_bases or not _AS_IN.match(text)}
-    stated = {name: _followed(kind, name, text) for name, text in of_bases.items()}
+    inherited = {name: _followed(kind, name, text) for name, text in of_bases.items()}
     names = list(fields_of(kind))
-    return {names[0]: summary(kind), **stated} if len(names) == 1 else stated
+    return {names[0]: summary(kind), **inherited} if len(names) == 1 else inherited
 
 
 def summary(kind: type) -> str:

@@ -81,7 +81,7 @@ def _section(alike: list[KeyTable], page: str, shown: Shown) -> str:
     place = f"In `{table.header}`." if table.header else "At the top of the file."
     also = " and ".join(_link(name, page) for name in table.also)
     beside = f"The keys of {also} are allowed too." if also else ""
-    stated = " ".join(filter(None, [place, summary(table.reader), *(each.note for each in alike), beside]))
+    introduction = " ".join(filter(None, [place, summary(table.reader), *(each.note for each in alike), beside]))
 
     rows = {key.name: _row(key, alike, page) for key in keys_of(table)}
     known = {name: shown[row] for name, row in rows.items() if row in shown}
@@ -91,7 +91,7 @@ def _section(alike: list[KeyTable], page: str, shown: Shown) -> str:
     for row in rows.values():
         shown.setdefault(row, table.name)
 
-    lines = [f"### {_names(alike)}", "", stated, ""]
+    lines = [f"### {_names(alike)}", "", introduction, ""]
     lines += [*HEAD, *new, ""] if new else []
     return "\n".join([*lines, *same, f"<!-- keys: {table.name} -->", "```toml", example(table).rstrip(), "```"])
 

@@ -64,12 +64,12 @@ class Wiring:
         Raises `InvalidParameter` if a table has an unknown key or invalid value, or a factor changes nothing.
         """
         of = tables(self.study, factors)
-        result = Gathered()
-        with result.part():
+        mistakes = Gathered()
+        with mistakes.part():
             procedure = self.procedure(of["procedure"])
-        with result.part():
+        with mistakes.part():
             condition, stimulus, kind, sensation = self._played(of, factors)
-        result.end()
+        mistakes.end()
         return WiredCell(condition, stimulus, procedure, sensation, kind.surface)
 
     def _played(
@@ -77,9 +77,9 @@ class Wiring:
     ) -> tuple[Condition, Stimulus, StimulusKind, Sensation]:
         touch_class = resolve(kind_of(of["touch"], "touch", TOUCHES))
         kind, stimulus_class = self._kind(of["stimulus"], factors, touch_class)
-        slides, result = touch_class is Sliding, f"'slide' with the stimulus {of['stimulus']['kind']!r}"
+        slides, found = touch_class is Sliding, f"'slide' with the stimulus {of['stimulus']['kind']!r}"
         pressed = "'press', as a sliding finger leaves the focus; use 'hybrid' for focus and friction together"
-        expect(not (kind.stands and slides), "touch.kind", result, pressed)
+        expect(not (kind.stands and slides), "touch.kind", found, pressed)
         resting = "'slide', as a resting finger feels no texture"
         expect(not kind.follows or slides, "touch.kind", "'press' with a texture", resting)
         self._check_effect(factors, of, stimulus_class, touch_class)

@@ -68,5 +68,5 @@ def check_places(over: str | None, cells: Mapping[Key, WiredCell]) -> None:
         together[rest].extend(filter(None, [frozenset(places_of(cell.stimulus))]))
     for alternatives in together.values() if over else ():
         n, n_apart = len(alternatives), len(set(alternatives))
-        result = f"{n} alternatives of {over!r} at {count_of(n_apart, 'place')}"
-        expect(n == n_apart, "task.over", result, "a separate place for each alternative")
+        found = f"{n} alternatives of {over!r} at {count_of(n_apart, 'place')}"
+        expect(n == n_apart, "task.over", found, "a separate place for each alternative")

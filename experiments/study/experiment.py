@@ -58,9 +58,9 @@ class Experiment(SessionPlan):
     def words_in(self, language: str) -> dict[str, str]:
         """Return custom texts for participants, which replace built-in ones."""
         kind = self.table.kind
-        requested = messages_of(kind, self.table.task_kind.questions)
+        messages = messages_of(kind, self.table.task_kind.questions)
         of_choices = {name: text for form in self.choices for name, text in words_of(form, language).items()}
-        return of_choices | self.study.words_in(language) | texts_of(self.table.prompt, requested, language)
+        return of_choices | self.study.words_in(language) | texts_of(self.table.prompt, messages, language)
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -210,8 +210,8 @@ class Experiment(SessionPlan):
         study = self.study
         columns = table_columns([_factor_column(name) for name in study.factors], self._optional())
         numbers = ", ".join(name for form in self.choices for name in form.numbers)
-        stated = f" Answers could tell who a participant is: {numbers}." if numbers else ""
-        description = f"{study.description}{stated}".strip() if stated else study.description
+        note = f" Answers could tell who a participant is: {numbers}." if numbers else ""
+        description = f"{study.description}{note}".strip() if note else study.description
         return StudyDescription(study.name, study.title, description, columns, study_toml)
 
     def _optional(self) -> list[str]:
@@ -275,13 +275,13 @@ def wire(
 
 
 def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool, plays: bool) -> Experiment:
-    result = Gathered()
-    table = result.made(lambda: task_of(study))
-    practice = result.made(lambda: practice_of(study.practice))
-    people = result.made(lambda: population_of(study.observer, "observer", code_from if simulated else None))
-    n_tracks = 1 if result.errors else _tracks_per_cell(study, table)
-    cells = result.made(lambda: dict(_cells(Wiring(study, code_from, plays=plays), n_tracks)))
-    result.end()
+    mistakes = Gathered()
+    table = mistakes.made(lambda: task_of(study))
+    practice = mistakes.made(lambda: practice_of(study.practice))
+    people = mistakes.made(lambda: population_of(study.observer, "observer", code_from if simulated else None))
+    n_tracks = 1 if mistakes.errors else _tracks_per_cell(study, table)
+    cells = mistakes.made(lambda: dict(_cells(Wiring(study, code_from, plays=plays), n_tracks)))
+    mistakes.end()
     crossing_of(study, table.over, study.factors)  # rejects impossible orders
     forms = {name: asked_form(study, name) for name in study.inquiries}
     questionnaires_of(study.forms)  # unused forms must be valid too

@@ -106,14 +106,14 @@ def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> 
         return
     stated = procedure.get(name, fields[name].default)
     rates = stated if isinstance(stated, list | tuple) else (stated,)
-    result = f"{', '.join(f'{rate:g}' for rate in rates)}{'' if name in procedure else ' by default'}"
-    result += f" in the task {task.get('kind')}"
+    found = f"{', '.join(f'{rate:g}' for rate in rates)}{'' if name in procedure else ' by default'}"
+    found += f" in the task {task.get('kind')}"
     if task.get("kind") == "forced_choice":
         chance = 1 / task.get("n_intervals", 2)
         is_near = any(abs(rate - chance) <= GUESS_RATE_TOLERANCE for rate in rates)
-        expect(is_near, f"procedure.{name}", result, f"chance, {chance:.2g}")
+        expect(is_near, f"procedure.{name}", found, f"chance, {chance:.2g}")
     elif task.get("kind") in SAYS_YES:
-        expect(min(rates) <= HIGHEST_FALSE_ALARMS, f"procedure.{name}", result, SAYS_YES[task["kind"]])
+        expect(min(rates) <= HIGHEST_FALSE_ALARMS, f"procedure.{name}", found, SAYS_YES[task["kind"]])
 
 
 def practice_of(table: Mapping[str, Any]) -> Practice | None:

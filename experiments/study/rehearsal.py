@@ -113,8 +113,8 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
     Raises `InvalidParameter` if a questionnaire has no texts in this language, or a prompt has none in it or in
     English.
     """
-    requested: tuple[Questionnaire | ChoiceForm, ...] = (*experiment.questionnaires, *experiment.choices)
-    forms = {f"questionnaire {form.name}": (form.languages, language in form.languages) for form in requested}
+    shown: tuple[Questionnaire | ChoiceForm, ...] = (*experiment.questionnaires, *experiment.choices)
+    forms = {f"questionnaire {form.name}": (form.languages, language in form.languages) for form in shown}
     prompts = {where: (words, language in words or "en" in words) for where, words in _prompts(experiment).items()}
     for where, (known, has_words) in (prompts | forms).items():
         expected = f"one of {', '.join(known)}; choose that language on the bench, or add the words"

@@ -30,16 +30,16 @@ def parse(content: bytes, where: str) -> Study:
     """
     table = table_of(content, where, "a study file")
     with errors_in(where):
-        result, of_study = Gathered(), Gathered()
-        table = as_si(table, "", result)
+        mistakes, of_study = Gathered(), Gathered()
+        table = as_si(table, "", mistakes)
         with of_study.part():
             study = build(Study, table, "", _folder=Path(where).parent)
         for error in of_study.errors:
-            result.add(error)
-        if result.errors:
-            with result.part():
+            mistakes.add(error)
+        if mistakes.errors:
+            with mistakes.part():
                 _check_the_rest(table, {_first_key(error) for error in of_study.errors})
-        result.end()
+        mistakes.end()
         return study
 
 
@@ -49,15 +49,17 @@ def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
 
     stand_ins = {"name": "study", "title": "", "description": "", "limits": {}}
     rest = {key: value for key, value in table.items() if key not in wrong and key in fields_of(Study)}
-    result = Gathered()
+    mistakes = Gathered()
     try:
         wire(build(Study, stand_ins | rest, ""), "", plays=False)
     except (InvalidParameter, InvalidFile) as error:
-        result.add(reworded(error, InvalidParameter, lambda words: words.removeprefix(", ")))
+        mistakes.add(reworded(error, InvalidParameter, lambda words: words.removeprefix(", ")))
     # Errors about tables or numbers that were removed here are spurious.
     spurious = re.compile(r"\b(limits|nan)\b" if "limits" in wrong else r"\bnan\b")
-    result.errors = [error for error in result.errors if _first_key(error) in rest and not spurious.search(str(error))]
-    result.end()
+    mistakes.errors = [
+        error for error in mistakes.errors if _first_key(error) in rest and not spurious.search(str(error))
+    ]
+    mistakes.end()
 
 
 def _first_key(error: TactometryError) -> str:

@@ -74,9 +74,9 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
         alone = f"no value, as a form of {KIND} states its own texts and order"
         expect(not value, f"{path}.{key}", repr(value), alone)
     numbers = ", ".join(form.numbers) or "no number"
-    stated = "true only for numbers, which could identify a participant; or use bands"
-    result = f"{str(table.identifies).lower()} with {numbers} in {form.name!r}"
-    expect(table.identifies == bool(form.numbers), f"{path}.identifies", result, stated)
+    expected = "true only for numbers, which could identify a participant; or use bands"
+    found = f"{str(table.identifies).lower()} with {numbers} in {form.name!r}"
+    expect(table.identifies == bool(form.numbers), f"{path}.identifies", found, expected)
     return form
 
 

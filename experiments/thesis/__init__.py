@@ -25,12 +25,12 @@ def reproduction_of(name: str) -> "Reproduction":
     from . import studies
     from .reproduction import Reproduction
 
-    stated = dict(_ITEMS[name])
-    numbers, drawn_in, ranges = (stated.pop(key, "") for key in ("numbers", "drawn_in", "ranges"))
+    texts_of_item = dict(_ITEMS[name])
+    numbers, drawn_in, ranges = (texts_of_item.pop(key, "") for key in ("numbers", "drawn_in", "ranges"))
     module = import_module(f"{__name__}.{drawn_in or numbers.partition(':')[0]}")
-    stated = {"stated": "", "assumes": "{m.ASSUMES}", **stated}
+    texts_of_item = {"stated": "", "assumes": "{m.ASSUMES}", **texts_of_item}
     texts: dict[str, Any] = {
-        key: " ".join(text.format(m=module, studies=studies).split()) for key, text in stated.items()
+        key: " ".join(text.format(m=module, studies=studies).split()) for key, text in texts_of_item.items()
     }
     return Reproduction(
         **texts,

@@ -38,7 +38,7 @@ def samples_plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | No
     if not known.size:
         return None
     band = (request.target_n * (1 - request.tolerance), request.target_n * (1 + request.tolerance))
-    required = band if kind == "force" else None
+    target = band if kind == "force" else None
     low, high = float(known.min()), float(known.max())
     plot = Plot(
         name=kind,
@@ -47,12 +47,12 @@ def samples_plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | No
         x_label="time since the onset (s)",
         y_label=LABELS[kind][1],
         x=ruler_over(times_s.tolist(), LEFT, RIGHT, margin=0.0),
-        y=ruler_over([low, high, *(required or ())], BOTTOM, TOP),
+        y=ruler_over([low, high, *(target or ())], BOTTOM, TOP),
     )
     if touch.answer.played:
         plot.box("playing", (0.0, request.duration_s), (plot.y.low, plot.y.high))
-    if required is not None:
-        plot.box("wanted", (plot.x.low, plot.x.high), required)
+    if target is not None:
+        plot.box("wanted", (plot.x.low, plot.x.high), target)
     for n, along in enumerate(values.T, 1):
         plot.line(f"axis{n}", thinned(times_s, along))
     return plot

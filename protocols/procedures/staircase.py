@@ -76,10 +76,10 @@ def _after(
     turned = last == -direction  # the first move, after STAY, is never a reversal
     n_reversals += 1 if turned else 0
     steps = numbers.steps_down if down else numbers.steps_up
-    requested = level + direction * steps[min(n_reversals, len(steps) - 1)]
+    next_level = level + direction * steps[min(n_reversals, len(steps) - 1)]
     pinned = level <= low if down else level >= high
     n_pinned = (1 if turned else n_pinned + 1) if pinned else 0
-    return (min(max(requested, low), high), direction, 0, n_reversals, n_pinned), level if turned else math.nan
+    return (min(max(next_level, low), high), direction, 0, n_reversals, n_pinned), level if turned else math.nan
 
 
 def _ending(numbers: StaircaseNumbers, order: Order, state: State, answers: Sequence[int]) -> int:

@@ -40,16 +40,16 @@ def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
 def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) -> Course[tuple[Reply, ...]]:
     """Ask the pages, allow going back, and return the replies in order."""
     order = rng.permutation(len(form.items)) if shuffled else range(len(form.items))
-    requested = pages(form, [form.items[int(n)] for n in order])
+    requests = pages(form, [form.items[int(n)] for n in order])
     filled: dict[int, Filled] = {}
     at = 0
-    while at < len(requested):
+    while at < len(requests):
         given = filled[at].values if at in filled else ()
-        filled[at] = yield replace(requested[at], given=given)
+        filled[at] = yield replace(requests[at], given=given)
         at = max(at - 1, 0) if filled[at].back else at + 1
     return tuple(
         Reply(filled[number], value, item=question.item)
-        for number, page in enumerate(requested)
+        for number, page in enumerate(requests)
         for question, value in zip(page.questions, filled[number].values, strict=True)
     )
 

@@ -81,13 +81,13 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
     >>> scene_of({"outputs": ["voltage_v"], "surface": tone}).scene.surface.frequency_hz
     240.0
     """
-    result = Gathered()
-    stated = as_si(dict(table), "", result)
-    with result.part():
+    mistakes = Gathered()
+    stated = as_si(dict(table), "", mistakes)
+    with mistakes.part():
         tables = build(SceneTables, stated, "")
-    with result.part():
+    with mistakes.part():
         surface, effects, contacts = _parts(stated)
-    result.end()
+    mistakes.end()
     try:
         scene = Scene(surface, effects, tables.outputs, tables.accuracy, contacts, tables.settings or {})
     except InvalidParameter as error:
@@ -100,13 +100,13 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
 
 def _parts(stated: Mapping[str, Any]) -> tuple[Any, tuple[Effect, ...], tuple[FingerContact, ...]]:
     """Build the surface, effects and contacts of a scene."""
-    result, surface = Gathered(), None
+    mistakes, surface = Gathered(), None
     if isinstance(stated.get("surface"), Mapping):
-        with result.part():
+        with mistakes.part():
             surface = build_kind(stated["surface"], "surface", SURFACES)
-    effects = _all_of(stated, "effects", lambda table, path: build_kind(table, path, EFFECTS), result)
-    contacts = _all_of(stated, "contacts", partial(build, FingerContact), result)
-    result.end()
+    effects = _all_of(stated, "effects", lambda table, path: build_kind(table, path, EFFECTS), mistakes)
+    contacts = _all_of(stated, "contacts", partial(build, FingerContact), mistakes)
+    mistakes.end()
     return surface, effects, contacts
 
 

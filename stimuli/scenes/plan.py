@@ -166,8 +166,8 @@ def parted(plan: Plan, late: str) -> tuple[Plan, Plan]:
     """
     early, rest = _split(plan.stages, {late})
     made = {stage.gives for stage in early}
-    required = dict.fromkeys([*(need for stage in rest for need in stage.needs), *plan.outputs])
-    handed = tuple(name for name in required if name in made or (name in plan.given and name != late))
+    needed = dict.fromkeys([*(need for stage in rest for need in stage.needs), *plan.outputs])
+    handed = tuple(name for name in needed if name in made or (name in plan.given and name != late))
     before = Plan(tuple(early), tuple(name for name in plan.given if name != late), handed)
     return before, Plan(tuple(rest), (*handed, late), plan.outputs)
 

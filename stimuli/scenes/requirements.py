@@ -55,11 +55,11 @@ def _chain(quantity: str, stages: Sequence[Stage], path: tuple[str, ...], cure: 
     makers = [n for n, stage in enumerate(giving) if not stage.changes]
     if not makers:
         known = sorted({stage.gives for stage in stages if path or unit_of(stage.gives)})
-        where, required = ("scene", f", which {path[-1]!r} needs") if path else ("outputs", "")
+        where, needed = ("scene", f", which {path[-1]!r} needs") if path else ("outputs", "")
         bringing = cure(quantity)
         mend = f"; {bringing}" if bringing else nearest(quantity, known)
         raise InvalidParameter(
-            f"{where}: found no stage or effect for {quantity!r}{required}, expected one of {', '.join(known)}{mend}"
+            f"{where}: found no stage or effect for {quantity!r}{needed}, expected one of {', '.join(known)}{mend}"
         )
     return giving[makers[-1] :]
 

@@ -115,9 +115,9 @@ def one_sided_contacts(
     shape("one_sided_contacts.force_n", force_n, (len(loads),))
     positive("one_sided_contacts", force_n=float(force_n.min(initial=1.0)))
     for skin in loads:
-        result = f"a mass of {skin.mass_kg} kg and a resistance of {skin.resistance_n_s_per_m} N s/m"
+        found = f"a mass of {skin.mass_kg} kg and a resistance of {skin.resistance_n_s_per_m} N s/m"
         expected = "no mass and a resistance above 0"
-        expect(skin.mass_kg == 0 and skin.resistance_n_s_per_m != 0, "one_sided_contact.finger", result, expected)
+        expect(skin.mass_kg == 0 and skin.resistance_n_s_per_m != 0, "one_sided_contact.finger", found, expected)
     places = [(skin.x_m, skin.y_m) for skin in loads]
     alone = replace(screen, sources=tuple(PointForce(*place) for place in places))
     long_s = free_m.shape[1] / rate_hz

@@ -72,8 +72,8 @@ class Tissue:
     shear_viscosity_pa_s: NotNegative = SHEAR_VISCOSITY_PA_S
 
     def __post_init__(self) -> None:
-        result = f"{self.shear_modulus_pa} Pa and {self.shear_viscosity_pa_s} Pa s"
-        expect(self.shear_modulus_pa + self.shear_viscosity_pa_s > 0, "Tissue.shear", result, "one of them above 0")
+        found = f"{self.shear_modulus_pa} Pa and {self.shear_viscosity_pa_s} Pa s"
+        expect(self.shear_modulus_pa + self.shear_viscosity_pa_s > 0, "Tissue.shear", found, "one of them above 0")
 
     def shear_pa(self, s: ComplexArray) -> ComplexArray:
         """Return the shear modulus at complex frequencies (rad/s)."""

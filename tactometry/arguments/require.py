@@ -204,17 +204,17 @@ def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False)
 
 def samples(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """Return a finite array (..., n_samples) with at least one sample."""
-    result = finite_array(where, values)
-    expect(result.ndim > 0 and result.size > 0, where, f"shape {result.shape}", "(..., n_samples), at least one sample")
-    return result
+    found = finite_array(where, values)
+    expect(found.ndim > 0 and found.size > 0, where, f"shape {found.shape}", "(..., n_samples), at least one sample")
+    return found
 
 
 def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """Return a row of at least two finite, ascending numbers."""
-    result = finite_array(where, values)
-    rises = result.ndim == 1 and len(result) >= 2 and (np.diff(result) > 0).all()
-    expect(rises, where, f"shape {result.shape} not in ascending order", "two or more ascending numbers")
-    return result
+    found = finite_array(where, values)
+    rises = found.ndim == 1 and len(found) >= 2 and (np.diff(found) > 0).all()
+    expect(rises, where, f"shape {found.shape} not in ascending order", "two or more ascending numbers")
+    return found
 
 
 def shape(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
@@ -306,8 +306,8 @@ def check_highest(path: str, value: float) -> None:
     """
     highest = HIGHEST[path.rpartition(".")[2]]
     if value > highest:
-        result = value if isinstance(value, int) else f"{value:.6g}"
-        raise InvalidParameter(f'{path}: found {result}, expected at most {highest:g}, or "{WORD}"')
+        found = value if isinstance(value, int) else f"{value:.6g}"
+        raise InvalidParameter(f'{path}: found {found}, expected at most {highest:g}, or "{WORD}"')
 
 
 def warning_of(key: str) -> str:

@@ -257,8 +257,8 @@ def responses(**asked: Any) -> None:
     # confirmed last, because no force gate stops a sweep
     if bench.output.settings.connected and not (asked["hands_off"] or hands_are_off()):
         raise InvalidParameter("--hands-off: found no confirmation, expected one before a sweep; nothing was played")
-    recorded = _learn(learning, devices.output, reader, asked)
-    learnt, qualities = join([each.mean for each, _ in recorded]), [result for _, result in recorded]
+    learned = _learn(learning, devices.output, reader, asked)
+    learnt, qualities = join([each.mean for each, _ in learned]), [result for _, result in learned]
     responses = as_displacement(learnt, *asked["band_hz"])
     provenance = _provenance(asked, learning, devices.output.name, reader.source.name)
     provenance["recorded_quantity"] = learnt.quantity
@@ -270,8 +270,8 @@ def responses(**asked: Any) -> None:
     kept = f"{responses.n_channels} responses of {responses.duration_s:g} s at {responses.rate_hz:g} Hz"
     record = {"file": str(out), "n_channels": responses.n_channels, **provenance}
     each = {"channels": [result._asdict() for result in qualities]}
-    stated = f"signal to noise: {_in_db(worst.snr_db)}, repeatability: {worst.repeatability:.4f}, of the worst channel"
-    remarks = [f"{out}: {kept}", stated]
+    quality = f"signal to noise: {_in_db(worst.snr_db)}, repeatability: {worst.repeatability:.4f}, of the worst channel"
+    remarks = [f"{out}: {kept}", quality]
     _tell("time_reversal", {"responses": str(out)}, remarks, record | each, asked["bench_path"], write=asked["write"])
 
 

@@ -42,7 +42,7 @@ def _section(command: click.Command, context: click.Context) -> str:
     usage = " ".join([context.command_path, *command.collect_usage_pieces(context)])
     shown = [one for one in command.get_params(context) if isinstance(one, click.Option) and "--help" not in one.opts]
     options = [record for one in shown if (record := one.get_help_record(context))]
-    rows = [f"| `{_cell(names)}` | {_cell(stated)} |" for names, stated in options]
+    rows = [f"| `{_cell(names)}` | {_cell(meaning)} |" for names, meaning in options]
     table = ["| option | meaning |", "|---|---|", *rows]
     example = (command.epilog or "").partition(": ")[2]
     parts = [

@@ -59,9 +59,9 @@ def _text(made: list[Reproduced]) -> str:
         numbers = reproduced.numbers if len(made) == 1 else reproduced.compared
         lines += [f"{reproduced.item.name}: {reproduced.item.title}"] if numbers else []
         for number in numbers:
-            stated = f"; stated: {number.stated}: {number.verdict.strip('*')}" if number.stated else ""
+            comparison = f"; stated: {number.stated}: {number.verdict.strip('*')}" if number.stated else ""
             value = f"{show_number(number)} {number.unit}".strip()
-            lines.append(f"  {number.quantity}, {number.condition}: {value} ({number.origin}{stated})")
+            lines.append(f"  {number.quantity}, {number.condition}: {value} ({number.origin}{comparison})")
     counts = ", ".join(f"{words.strip('*')}: {n}" for words, n in sorted(count_verdicts(made).items()))
     return "\n".join([*lines, counts or "the numbers of the thesis are not available for comparison"])
 

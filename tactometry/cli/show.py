@@ -44,14 +44,14 @@ def command(
                 case _:
                     drawing.figure.savefig(drawn, metadata={"CreationDate": None, "Subject": drawing.about})
     records = [{"touch": heading(touch), **_record(touch)} for touch in touches]
-    stated = f"figure: {drawn}" if drawn else f"trial {trial}: it has no touch"
+    last_line = f"figure: {drawn}" if drawn else f"trial {trial}: it has no touch"
     whose = {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
     lines = [
         ", ".join(f"{name} {value}" for name, value in whose.items()),
         *("\n".join(_text(record)) for record in records),
     ]
     say(
-        "\n".join([*filter(None, lines), stated]),
+        "\n".join([*filter(None, lines), last_line]),
         {"trial": trial, **whose, "touches": records, "figure": drawn and str(drawn)},
     )
 

@@ -68,8 +68,8 @@ def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
         assert page.stdout is not None
         url = page.stdout.readline().strip()
         if not url:
-            _, stated = page.communicate()
-            raise DeviceFailed(f"--watch: found no page ({' '.join(stated.split())}), expected a page; omit the option")
+            _, errors = page.communicate()
+            raise DeviceFailed(f"--watch: found no page ({' '.join(errors.split())}), expected a page; omit the option")
         try:
             yield url
         finally:

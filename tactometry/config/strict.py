@@ -54,19 +54,19 @@ def values_of(kind: type, table: object, path: str, given: Collection[str] = ())
     hints = typing.get_type_hints(kind)
     fields = fields_of(kind)
     names = [name for name in fields if name not in given]
-    result, values = Gathered(), {}
-    with result.part():
+    mistakes, values = Gathered(), {}
+    with mistakes.part():
         check_keys(table, names, path, read_by=kind)
     unknown = [key for key in table if key not in names]
     meant = {nearest_of(key, names) for key in unknown[:MOST_HINTS]}
     for name in names:
         if name in table:
-            with result.part():
+            with mistakes.part():
                 values[name] = convert(hints[name], table[name], _join(path, name))
         elif is_required(fields[name]) and name not in meant:
             missing = f"{_join(path, name)}: found no such key, expected {words_of(hints[name])}"
-            result.add(InvalidKey(missing, kind))
-    result.end()
+            mistakes.add(InvalidKey(missing, kind))
+    mistakes.end()
     return values
 
 
@@ -122,13 +122,13 @@ def check_keys(
     - `cure`: Another way to correct the file.
     - `read_by`: Class whose fields are the keys.
     """
-    result = Gathered()
+    mistakes = Gathered()
     unknown = [key for key in table if key not in names]
     for n, key in enumerate(unknown):
         hint = nearest(key, names) if n < MOST_HINTS else ""
         known = f"one of {', '.join(names)}{hint}" if names else "none; remove it"
-        result.add(InvalidKey(f"{_join(path, key)}: found an unknown {what}, expected {known}{cure}", read_by))
-    result.end()
+        mistakes.add(InvalidKey(f"{_join(path, key)}: found an unknown {what}, expected {known}{cure}", read_by))
+    mistakes.end()
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:
@@ -168,11 +168,11 @@ def convert(kind: Any, value: object, path: str) -> Any:
 
 
 def _each(kind: Any, values: Mapping[str, object]) -> list[Any]:
-    result, converted = Gathered(), []
+    mistakes, converted = Gathered(), []
     for path, value in values.items():
-        with result.part():
+        with mistakes.part():
             converted.append(convert(kind, value, path))
-    result.end()
+    mistakes.end()
     return converted
 
 

@@ -205,6 +205,6 @@ def own_class(target: str, folder: Path, path: str) -> Any:
     where = f"{path}.kind"
     kind = class_beside(target, folder, where)
     lacking = [method for method in METHODS if not callable(getattr(kind, method, None))]
-    result = f"{target!r}, which lacks {', '.join(lacking)}"
-    expect(not lacking, where, result, "the methods of an observer (tactometry/observers/decisions.py)")
+    found = f"{target!r}, which lacks {', '.join(lacking)}"
+    expect(not lacking, where, found, "the methods of an observer (tactometry/observers/decisions.py)")
     return guarded_observer(kind)

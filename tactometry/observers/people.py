@@ -235,8 +235,8 @@ def _check_correlations(pairs: Mapping[str, Mapping[str, float]]) -> None:
         expect(frozenset((one, other)) not in seen, f"{where}.{one}.{other}", "the pair twice", "it once")
         seen.add(frozenset((one, other)))
     lowest = float(np.linalg.eigvalsh(correlation_matrix(pairs)).min())
-    result = f"inconsistent correlations (an eigenvalue of {lowest:.3g})"
-    expect(lowest >= -1e-9, where, result, "eigenvalues of at least 0; move the correlations closer to 0")
+    found = f"inconsistent correlations (an eigenvalue of {lowest:.3g})"
+    expect(lowest >= -1e-9, where, found, "eigenvalues of at least 0; move the correlations closer to 0")
 
 
 def _cholesky(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

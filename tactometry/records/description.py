@@ -60,9 +60,9 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
         if c.name not in known
     ]
     complete = {**described, "variableMeasured": [*variables, *new]}
-    required = as_simulated(complete) if is_simulated else complete
-    if required != there:  # leave a complete file unchanged
-        write_atomically(path, pretty(required))
+    expected = as_simulated(complete) if is_simulated else complete
+    if expected != there:  # leave a complete file unchanged
+        write_atomically(path, pretty(expected))
 
 
 def read_description(path: Path) -> dict[str, object]:

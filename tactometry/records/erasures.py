@@ -82,12 +82,12 @@ def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) ->
         number, erasure = erased.get(code.casefold(), (0, None))
         if erasure is None or (allowed and erasure.finished_utc is not None):
             continue
-        result, expected = f"that {erasure.participant} was erased at {erasure.finished_utc}", "another participant"
+        found, expected = f"that {erasure.participant} was erased at {erasure.finished_utc}", "another participant"
         way = "choose another code or --out, or add --allow-erased to record this participant again"
         if erasure.finished_utc is None:
-            result, expected = f"an unfinished erasure of {erasure.participant}", "a finished one"
+            found, expected = f"an unfinished erasure of {erasure.participant}", "a finished one"
             way = f"repeat tactometry erase {root} --participant {erasure.participant}"
-        raise InvalidParameter(f"{root / RECORD}, line {number}: found {result}, expected {expected}; {way}")
+        raise InvalidParameter(f"{root / RECORD}, line {number}: found {found}, expected {expected}; {way}")
 
 
 class Withdrawal:

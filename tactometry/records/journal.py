@@ -109,10 +109,10 @@ class Recording:
     @property
     def wanted(self) -> tuple[Intervention, ...]:
         """Interventions that the session never carried out."""
-        requested = (intervention_of(event) for event in self.events)
+        interventions = (intervention_of(event) for event in self.events)
         answers = (entry.answer for entry in self.entries if isinstance(entry.answer, Done))
         carried = (each for answer in answers for each in answer.interventions)
-        return left((each for each in requested if each is not None), carried)
+        return left((each for each in interventions if each is not None), carried)
 
 
 def consequence(line: Line) -> Event | None:

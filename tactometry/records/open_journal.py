@@ -149,9 +149,9 @@ def _until_last(kinds: tuple[type[Request[Any]], ...], lines: Sequence[Line]) ->
 
     They end with the last request of these kinds or the last marks, and the events after it.
     """
-    requested = [n for n, line in enumerate(lines) if isinstance(line, Entry)]
+    entries = [n for n, line in enumerate(lines) if isinstance(line, Entry)]
     last = max((n for n, line in enumerate(lines) if _is_kept(kinds, line)), default=-1)
-    return tuple(lines[: next((n for n in requested if n > last), len(lines))])
+    return tuple(lines[: next((n for n in entries if n > last), len(lines))])
 
 
 def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:

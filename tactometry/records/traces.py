@@ -142,10 +142,8 @@ def _held(root: Path, part: TracePart) -> bytes:
 def _flaw(held: bytes, part: TracePart) -> str | None:
     if digest_of(held) == part.digest:
         return None
-    result = (
-        "other samples than were stored" if len(held) == part.n_bytes else f"its end within the next {part.n_bytes}"
-    )
-    return f"found {result} from byte {part.first_byte} on, expected complete samples; restore a copy"
+    found = "other samples than were stored" if len(held) == part.n_bytes else f"its end within the next {part.n_bytes}"
+    return f"found {found} from byte {part.first_byte} on, expected complete samples; restore a copy"
 
 
 def kind_of(part: TracePart) -> TraceKind | None:
@@ -226,23 +224,23 @@ def read_sidecar(path: Path) -> TraceDescription:
 
     Raises `InvalidFile` if the sampling rate or the columns are missing.
     """
-    stated = json_object(path, "the sampling rate and the columns of its samples")
-    rate_hz: Any = stated.get("SamplingFrequency")
-    names: Any = stated.get("Columns")
+    content = json_object(path, "the sampling rate and the columns of its samples")
+    rate_hz: Any = content.get("SamplingFrequency")
+    names: Any = content.get("Columns")
     if type(rate_hz) not in (int, float) or not 0 < rate_hz <= HIGHEST_RATE_HZ:
         above = f"a number of Hz above 0 and at most {HIGHEST_RATE_HZ:g}"
         raise InvalidFile(f"{path}: SamplingFrequency: found {rate_hz!r:.60}, expected {above}")
     are_texts = isinstance(names, list) and bool(names) and all(isinstance(name, str) and name for name in names)
     if not are_texts or len(set(names)) != len(names):
         raise InvalidFile(f"{path}: Columns: found {names!r:.60}, expected a list of distinct names")
-    return TraceDescription(float(rate_hz), tuple(_explained(path, name, stated.get(name)) for name in names))
+    return TraceDescription(float(rate_hz), tuple(_explained(path, name, content.get(name)) for name in names))
 
 
 def _explained(path: Path, name: str, said: object) -> Column:
     texts = [said.get(key) for key in ("Description", "Units")] if isinstance(said, Mapping) else [None]
     if not all(isinstance(text, str) for text in texts):
-        required = "an object with the texts Description and Units"
-        raise InvalidFile(f"{path}: {name!r:.60}: found {said!r:.60}, expected {required}")
+        expected = "an object with the texts Description and Units"
+        raise InvalidFile(f"{path}: {name!r:.60}: found {said!r:.60}, expected {expected}")
     return Column(name, *map(str, texts))
 
 

@@ -235,8 +235,8 @@ class SimulatedRig(LiveRig):
             return Chosen(int(self._rng.choice(request.options)), *self._timing(1))
         decision = lookup("question to the simulated participant", request.question, self.decisions)
         n_expected = decision.n_stimuli or len(request.options)
-        requested = f"{request.question!r} to the simulated participant, with {len(request.options)} options"
-        expect(len(self._felt) == n_expected, requested, f"{len(self._felt)} stimuli before it", f"{n_expected}")
+        where = f"{request.question!r} to the simulated participant, with {len(request.options)} options"
+        expect(len(self._felt) == n_expected, where, f"{len(self._felt)} stimuli before it", f"{n_expected}")
         option = decision.decide(self._observer, self._felt, request, self._rng)
         return Chosen(option, *self._timing(1))
 

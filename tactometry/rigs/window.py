@@ -112,9 +112,9 @@ class Window(Display):
         """
         psychopy = load_psychopy()
         is_window = isinstance(window, psychopy.visual.Window)
-        result = "a closed window" if is_window else f"{type(window).__name__}"
+        found = "a closed window" if is_window else f"{type(window).__name__}"
         is_open = is_window and not window._closed
-        expect(is_open, "Window.adopt", result, "an open psychopy.visual.Window")
+        expect(is_open, "Window.adopt", found, "an open psychopy.visual.Window")
         adopted = cls.__new__(cls)
         adopted._psychopy = psychopy
         adopted._begin(window, adopted=True)

@@ -15,9 +15,9 @@ OF_RECORDING = "use the study, seed and version with which it was recorded"
 
 def rows(requests: Iterable[Request[Any]]) -> tuple[Trial, ...]:
     """Return the rows that requests recorded, after all retractions."""
-    requested = tuple(requests)
-    retracted = {key for request in requested if isinstance(request, Intervene) for key in request.retracted}
-    return without((request.trial for request in requested if isinstance(request, Record)), retracted)
+    every = tuple(requests)
+    retracted = {key for request in every if isinstance(request, Intervene) for key in request.retracted}
+    return without((request.trial for request in every if isinstance(request, Record)), retracted)
 
 
 class Replay:
@@ -126,7 +126,7 @@ def _in_its_languages(asked: Request[Any], recorded: Request[Any]) -> Request[An
         return asked
     questions = []
     for question, then in zip(asked.questions, recorded.questions, strict=True):
-        words = {language: stated for language, stated in question.words.items() if language in then.words}
+        words = {language: text for language, text in question.words.items() if language in then.words}
         questions.append(replace(question, words=words))
     return replace(asked, questions=tuple(questions))
 

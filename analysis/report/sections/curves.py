@@ -30,8 +30,8 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         unfolding = (Details(title, (figure,), is_open=n < N_OPEN) for n, (title, figure) in drawn)
         table = analysis.tables["thresholds"]
         of_rules = [name for name in OF_RULES if table[name].notna().any()]
-        required = ("participant", *analysis.factors, *SHOWN, *of_rules)
-        estimates = table[[name for name in required if name in table.columns]]
+        columns = ("participant", *analysis.factors, *SHOWN, *of_rules)
+        estimates = table[[name for name in columns if name in table.columns]]
         yield Section("Participants", (*unfolding, details("All estimates", estimates, analysis.factors)))
 
 

@@ -49,8 +49,8 @@ def _transformed() -> Real:
     fall, rise = (-np.expm1(-1 / TAPS_HZ / tau_s) / (1 / tau_s + 2j * np.pi * f) for tau_s in (FALL_S, RISE_S))
     amplitudes = 2 * TAPS_HZ * np.abs(fall - rise)
     bowls_db = np.full(len(f), 48.0), 48 - 5 * np.log2(f / 3), 12 * np.abs(np.log2(250 / f))
-    responses = (f >= 0.4) & (f <= 3), (f >= 3) & (f <= 100), (f >= 35) & (f <= 800)
-    pairs = zip(bowls_db, responses, strict=True)
+    in_range = (f >= 0.4) & (f <= 3), (f >= 3) & (f <= 100), (f >= 35) & (f <= 800)
+    pairs = zip(bowls_db, in_range, strict=True)
     return np.array([np.max(amplitudes[is_heard] * 10 ** (-db[is_heard] / 20)) for db, is_heard in pairs])
 
 

@@ -97,7 +97,7 @@ def _coupled_modes(load: PlateLoad) -> Real:
     from scipy.linalg import expm
 
     modes, mass_kg = LOADED.oscillators(LOADED_TO_HZ), LOADED.plate.mass_kg
-    at, responses = (values_at(LOADED, [place], LOADED_TO_HZ)[:, 0] for place in (PRESSED_M, HEARD_M))
+    at, observed = (values_at(LOADED, [place], LOADED_TO_HZ)[:, 0] for place in (PRESSED_M, HEARD_M))
     coupled = np.outer(at, at) / mass_kg
     inertia = np.eye(modes.n) + load.mass_kg * coupled
     stiffness = np.diag(modes.omega_rad_per_s**2) + load.stiffness_n_per_m * coupled
@@ -106,7 +106,7 @@ def _coupled_modes(load: PlateLoad) -> Real:
     step = expm(np.vstack([upper, -np.linalg.solve(inertia, np.hstack([stiffness, damping]))]) / LOADED_RATE_HZ)
     struck = np.linalg.solve(inertia, LOADED.modal_forces(LOADED_TO_HZ) / mass_kg)
     states = _powers(step, np.vstack([np.zeros_like(struck), struck]), round(LOADED_LASTS_S * LOADED_RATE_HZ))
-    return np.asarray((responses @ states[:, : modes.n]).T)
+    return np.asarray((observed @ states[:, : modes.n]).T)
 
 
 def lift_off() -> Problem:

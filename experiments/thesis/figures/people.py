@@ -105,12 +105,12 @@ def mean_force_by_condition() -> Figure:
 def forces_of_trials() -> Figure:
     """Draw the distribution of applied forces per condition (6.13)."""
     figure, (axes,) = sheet(width_in=7.2)
-    for (requested, forces), colour in zip(touches().groupby(FORCE)["force_mean_n"], colours(), strict=False):
-        asked_n = float(str(requested))
-        shares, edges_n = np.histogram(forces, BIN_N * np.arange(np.ceil(1.3 * asked_n / BIN_N) + 1))
+    for (target, forces), colour in zip(touches().groupby(FORCE)["force_mean_n"], colours(), strict=False):
+        target_n = float(str(target))
+        shares, edges_n = np.histogram(forces, BIN_N * np.arange(np.ceil(1.3 * target_n / BIN_N) + 1))
         middles_n = (edges_n[:-1] + edges_n[1:]) / 2
-        axes.plot(middles_n, 100 * shares / len(forces), color=colour, drawstyle="steps-mid", label=f"{asked_n:g} N")
-        axes.axvline(asked_n, color=colour, linestyle="--", linewidth=0.8)
+        axes.plot(middles_n, 100 * shares / len(forces), color=colour, drawstyle="steps-mid", label=f"{target_n:g} N")
+        axes.axvline(target_n, color=colour, linestyle="--", linewidth=0.8)
     label(axes, "Mean applied force of a trial (N)", "Trials of the condition (%)", "Dashed: asked", from_zero=True)
     return figure
 

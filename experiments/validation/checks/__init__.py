@@ -18,10 +18,10 @@ CHECKS: Final = tuple(_LISTED)
 
 def check_of(name: str) -> Check:
     """Return a check by its name."""
-    stated = dict(_LISTED[name])
-    module, _, settings = stated.pop("settings").partition(":")
+    listed = dict(_LISTED[name])
+    module, _, settings = listed.pop("settings").partition(":")
     simulations = import_module(f"{__name__}.{module}")
-    words = stated.pop("words").format(m=simulations)
-    kind = resolve(f"{Check.__module__}:{stated.pop('kind')}")
-    keys = tuple(stated.pop("keys"))
-    return Check(name=name, words=words, kind=kind, keys=keys, settings=getattr(simulations, settings), **stated)
+    words = listed.pop("words").format(m=simulations)
+    kind = resolve(f"{Check.__module__}:{listed.pop('kind')}")
+    keys = tuple(listed.pop("keys"))
+    return Check(name=name, words=words, kind=kind, keys=keys, settings=getattr(simulations, settings), **listed)

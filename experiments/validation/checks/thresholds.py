@@ -70,10 +70,10 @@ def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Ge
     made = simulated.tracks(procedure, task, INSIDE, n_sets, rng, n_trials=N_TRIALS, procedures=PROCEDURES)
     n_catch = round(task.catch * N_TRIALS)
     catch = {"n_false_alarms": rng.binomial(n_catch, task.guess_rate, n_sets), "n_catch": np.full(n_sets, n_catch)}
-    stated: dict[str, Any] = {"shape": SHAPE, "guess_rate": task.told}
-    by_fit = {"the rule's own": _of_rule(procedure, task, made)} | _of_fits(made, stated | catch)
+    given: dict[str, Any] = {"shape": SHAPE, "guess_rate": task.told}
+    by_fit = {"the rule's own": _of_rule(procedure, task, made)} | _of_fits(made, given | catch)
     groups = [slice(first, first + N_GROUP) for first in range(0, len(made.answers), N_GROUP)]
-    by_fit["hierarchical"] = pd.concat([_of_group(made, stated, catch, members) for members in groups])
+    by_fit["hierarchical"] = pd.concat([_of_group(made, given, catch, members) for members in groups])
     tables = [table.assign(procedure=procedure, task=task.name, fit=fit) for fit, table in by_fit.items()]
     return pd.concat([table for table in tables if table["estimate"].notna().any()], ignore_index=True)
 
@@ -87,9 +87,9 @@ def _of_rule(procedure: str, task: SimulatedTask, made: Tracks) -> pd.DataFrame:
     return pd.DataFrame({"truth": truth, "estimate": made.rule_db, "low": np.nan, "high": np.nan})
 
 
-def _of_fits(made: Tracks, stated: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
+def _of_fits(made: Tracks, given: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
     """Return three estimates from the posterior, which share an interval."""
-    fits = fit_many(*_counts(made), **stated, scale_free_width=True)
+    fits = fit_many(*_counts(made), **given, scale_free_width=True)
     by_fit = {
         f"posterior, {name}": _table(made, fits, [getattr(fit, f"threshold_{name}") for fit in fits])
         for name in POSTERIOR
@@ -100,11 +100,11 @@ def _of_fits(made: Tracks, stated: Mapping[str, Any]) -> dict[str, pd.DataFrame]
 
 def _counts(made: Tracks) -> tuple[NDArray[np.float64], ...]:
     """Return levels, answers and trials (0 after the end of a track)."""
-    requested = ~np.isnan(made.levels_db)
+    presented = ~np.isnan(made.levels_db)
     return (
-        np.where(requested, made.levels_db, 0.0),
-        np.where(requested, made.answers, 0.0),
-        requested.astype(np.float64),
+        np.where(presented, made.levels_db, 0.0),
+        np.where(presented, made.answers, 0.0),
+        presented.astype(np.float64),
     )
 
 
@@ -119,7 +119,7 @@ def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float
 
 
 def _of_group(
-    made: Tracks, stated: Mapping[str, Any], catch: Mapping[str, NDArray[Any]], members: slice
+    made: Tracks, given: Mapping[str, Any], catch: Mapping[str, NDArray[Any]], members: slice
 ) -> pd.DataFrame:
     counts = [part[members] for part in _counts(made)]
     n_people, n_trials = counts[0].shape
@@ -127,7 +127,7 @@ def _of_group(
     own_catch = {name: np.repeat(numbers[members], n_trials) for name, numbers in catch.items()}
     condition = {"condition": ["all"] * len(names)}
     levels, n_correct, n_asked = (part.ravel() for part in counts)
-    options: dict[str, Any] = {**stated, **own_catch}
+    options: dict[str, Any] = {**given, **own_catch}
     result = fit_hierarchical(levels, n_correct, n_asked, names, condition, **options).participants
     columns = {"threshold": "estimate", "interval_low": "low", "interval_high": "high"}
     people = result.sort_values("participant")[list(columns)].rename(columns=columns).astype(float)

@@ -226,8 +226,8 @@ def check_times(t: FloatArray, pieces: Pieces) -> None:
     """Raise an error unless the times ascend within the pieces."""
     require.finite_array("t_s", t)
     inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
-    result = f"{t.size} times in shape {t.shape}"
-    require.expect(inside, "t_s", result, f"ascending times from 0 to {pieces.end_s} s")
+    found = f"{t.size} times in shape {t.shape}"
+    require.expect(inside, "t_s", found, f"ascending times from 0 to {pieces.end_s} s")
 
 
 class Timing:
@@ -261,15 +261,15 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> D
     all_moving = (True,) * len(relaxations.rates_per_s)
     whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, all_moving)
     maps, drives = _maps(whole, system, groups)
-    required = np.searchsorted(nodes, timing.t_s)
-    return DrivenPlan(shared, required, first, whole.has_line, whole.has_slope, whole.output(), kinds, maps, drives)
+    places = np.searchsorted(nodes, timing.t_s)
+    return DrivenPlan(shared, places, first, whole.has_line, whole.has_slope, whole.output(), kinds, maps, drives)
 
 
 def _check_resolved(system: LinearSystem, longest_s: float) -> None:
     fastest_hz = float(np.abs(np.linalg.eigvals(system.matrix)).max()) / (2 * np.pi)
-    result = f"a frequency of up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart"
+    found = f"a frequency of up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart"
     expected = f"a product of at most {CYCLES_MAX:.0e}; use a heavier, softer or less damped finger"
-    require.expect(fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9), "finger", result, expected)
+    require.expect(fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9), "finger", found, expected)
 
 
 def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[FloatArray, FloatArray]:

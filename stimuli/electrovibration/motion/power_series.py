@@ -190,10 +190,10 @@ def _breaks_loose(
     skin: SkinState, contact: ContactConstants, h: float, stretch: FloatArray, limit: FloatArray
 ) -> float:
     """Return when friction ``k s + c V`` passes its limit, in units of `h`."""
-    requested = contact.stiffness_n_per_m * stretch
-    requested[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
-    requested[1] += contact.damping_n_s_per_m * contact.acceleration_m_per_s2 * h
-    return min(_falls(limit - requested), _falls(limit + requested))
+    holding = contact.stiffness_n_per_m * stretch
+    holding[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
+    holding[1] += contact.damping_n_s_per_m * contact.acceleration_m_per_s2 * h
+    return min(_falls(limit - holding), _falls(limit + holding))
 
 
 @compiled

@@ -93,7 +93,7 @@ def stick_slip(
 
     t = np.asarray(t_s, dtype=np.float64)
     require.whole("stick_slip", lowest=1, n_events_max=n_events_max)
-    required, shared, layers, steps = _plan(Timing(pieces, t), form, finger)
+    places, shared, layers, steps = _plan(Timing(pieces, t), form, finger)
     pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
     moved = travel.speed_m_per_s, travel.acceleration_m_per_s2
     contact = power_series.ContactConstants(*pad, friction.static, friction.kinetic, friction.gated, force_n, *moved)
@@ -112,7 +112,7 @@ def stick_slip(
             f"stick_slip: found too many changes between stick and slip {at_once}, at {time_s:.6g} s; "
             "expected fewer: raise the damping or the static friction, or shorten the signal"
         )
-    stretch, rate, second, lateral, electrostatic, direction = states[required].T
+    stretch, rate, second, lateral, electrostatic, direction = states[places].T
     return StickSlip(t, stretch, rate, second, lateral, electrostatic, direction, events[:, 0], events[:, 1])
 
 

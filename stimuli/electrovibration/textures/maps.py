@@ -55,8 +55,8 @@ class Mapped:
 
     def __post_init__(self) -> None:
         owner = type(self).__name__
-        result = "both or neither of values and path"
-        require.expect(bool(self.values) != (self.path is not None), owner, result, "exactly one")
+        found = "both or neither of values and path"
+        require.expect(bool(self.values) != (self.path is not None), owner, found, "exactly one")
         rows = self._read(owner, self.path) if self.path is not None else np.array([self.values])
         require.expect(0 <= self.row < len(rows), f"{owner}.row", self.row, "the number of an existing row, from 0")
         line = require.finite_array(f"{owner}.values", rows[self.row])

@@ -140,8 +140,8 @@ class Region:
 
     def __post_init__(self) -> None:
         apart = self.right_m - self.left_m >= self.edge_m and self.right_m > self.left_m
-        result = f"{self.left_m} to {self.right_m} m with edges of {self.edge_m} m"
-        require.expect(apart, "Region", result, "a right edge at least edge_m to the right of the left one")
+        found = f"{self.left_m} to {self.right_m} m with edges of {self.edge_m} m"
+        require.expect(apart, "Region", found, "a right edge at least edge_m to the right of the left one")
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
         x = np.asarray(x_m, dtype=np.float64)
@@ -264,8 +264,8 @@ class Noise:
 
 def _lines(low_per_m: float, high_per_m: float, length_m: float) -> FloatArray:
     require.positive("Noise", low_per_m=low_per_m, high_per_m=high_per_m, length_m=length_m)
-    result = f"{high_per_m} per m over {length_m} m"
-    require.expect(high_per_m * length_m <= MOST_LINES, "Noise.high_per_m", result, f"at most {MOST_LINES} lines")
+    found = f"{high_per_m} per m over {length_m} m"
+    require.expect(high_per_m * length_m <= MOST_LINES, "Noise.high_per_m", found, f"at most {MOST_LINES} lines")
     first, last = int(np.ceil(low_per_m * length_m - 1e-9)), int(np.floor(high_per_m * length_m + 1e-9))
     return np.arange(max(first, 1), last + 1) / length_m
 
@@ -324,8 +324,8 @@ class Velvet:
         >>> bool(np.allclose(np.r_[first, second], velvet.force_share_along(path_m), rtol=0, atol=1e-15))
         True
         """
-        result = f"{len(x_m)} positions and {len(y_m)} path points"
-        require.expect(len(x_m) == len(y_m) > 0, "Velvet.after.y_m", result, "equal numbers, at least one")
+        found = f"{len(x_m)} positions and {len(y_m)} path points"
+        require.expect(len(x_m) == len(y_m) > 0, "Velvet.after.y_m", found, "equal numbers, at least one")
         pile, then = self._pile(y_m, way or Way(float(y_m[0]), 1.0, float(y_m[0]), self.with_pile, self.with_pile))
         return pile * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * x_m / self.tuft_period_m)) / 2), then
 

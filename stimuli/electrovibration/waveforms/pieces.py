@@ -66,8 +66,8 @@ class Pieces:
             )
 
     def _check_shape(self, name: str, shape: tuple[int, ...]) -> None:
-        result = getattr(self, name).shape
-        require.expect(result == shape, f"Pieces.{name}", f"shape {result}", f"{shape}")
+        found = getattr(self, name).shape
+        require.expect(found == shape, f"Pieces.{name}", f"shape {found}", f"{shape}")
 
     @property
     def harmonics_v(self) -> ComplexArray:
@@ -212,8 +212,8 @@ class Corners:
     def __post_init__(self) -> None:
         ends = (self.phases[:1], self.phases[-1:]) == ((0.0,), (1.0,))
         fit = ends and len(self.phases) == len(self.values) and (np.diff(self.phases) >= 0).all()
-        result = f"{self.phases!s:.60} with {len(self.values)} values"
-        require.expect(fit, "Corners.phases", result, "a tuple that ascends from 0 to 1, with one value each")
+        found = f"{self.phases!s:.60} with {len(self.values)} values"
+        require.expect(fit, "Corners.phases", found, "a tuple that ascends from 0 to 1, with one value each")
 
     def at(self, phase: ArrayLike) -> FloatArray:
         """Return values at phases (in periods), after a jump if there is one."""

@@ -68,8 +68,8 @@ class WavFile:
         check_timing("WavFile", self.duration_s, self.ramp_s, self.rate_hz)
         is_scaled = self.volts_per_unit is not None
         needed = "a number if level_unit = 'dB re file', else none"
-        result = "none" if self.volts_per_unit is None else f"{self.volts_per_unit:g} V"
-        require.expect(is_scaled == (self.level_unit == "dB re file"), "WavFile.volts_per_unit", result, needed)
+        found = "none" if self.volts_per_unit is None else f"{self.volts_per_unit:g} V"
+        require.expect(is_scaled == (self.level_unit == "dB re file"), "WavFile.volts_per_unit", found, needed)
         if self.volts_per_unit is not None:
             require.positive("WavFile", volts_per_unit=self.volts_per_unit)
         if self.read:

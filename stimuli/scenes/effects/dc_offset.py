@@ -43,8 +43,8 @@ class DcOffset(Effect):
         return WithOffset(waveform, self.ratio)
 
     def size(self, demand: Demand) -> Size:
-        result = "a constant without a ramp (ramp_s = 0)"
-        require.expect(demand.surface.ramp_s, "dc_offset", result, "ramps; set ramp_s of the tone above 0")
+        found = "a constant without a ramp (ramp_s = 0)"
+        require.expect(demand.surface.ramp_s, "dc_offset", found, "ramps; set ramp_s of the tone above 0")
         return Size()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:

@@ -43,8 +43,8 @@ class Edges(Alteration):
     boundary: str
 
     def __post_init__(self) -> None:
-        result, expected = repr(self.boundary), "four letters of S, C, F, such as 'FFFF'"
-        expect(len(self.boundary) == 4 and set(self.boundary) <= set("SCF"), "Edges.boundary", result, expected)
+        found, expected = repr(self.boundary), "four letters of S, C, F, such as 'FFFF'"
+        expect(len(self.boundary) == 4 and set(self.boundary) <= set("SCF"), "Edges.boundary", found, expected)
         if self.boundary == "SSSS":
             raise InvalidParameter(
                 "Edges.boundary: found 'SSSS', the default of a plate, expected other edges; remove the effect"

@@ -35,8 +35,8 @@ class Foci(Effect):
     y_m: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        result = f"{len(self.x_m)} places but {len(self.y_m)} of y_m"
-        expect(len(self.x_m) == len(self.y_m) > 0, "Foci.x_m", result, "equal numbers, at least one")
+        found = f"{len(self.x_m)} places but {len(self.y_m)} of y_m"
+        expect(len(self.x_m) == len(self.y_m) > 0, "Foci.x_m", found, "equal numbers, at least one")
 
     @property
     def n(self) -> int:

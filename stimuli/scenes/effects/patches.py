@@ -37,9 +37,9 @@ class Patches(Effect):
 
     def _size(self, demand: Demand) -> Size:
         surface = demand.surface
-        result = f"a side of {self.side_m} m with TimeReversal.inset_m = {surface.inset_m}"
+        found = f"a side of {self.side_m} m with TimeReversal.inset_m = {surface.inset_m}"
         expected = f"patches within the plate; raise inset_m to {self.side_m / 2} or lower side_m"
-        expect(self.side_m <= 2 * surface.inset_m, "patches", result, expected)
+        expect(self.side_m <= 2 * surface.inset_m, "patches", found, expected)
         return Size({"n_transducers": surface.n_transducers, "inset_m": surface.inset_m, **vars(self)})
 
     def in_setup(self) -> dict[str, float]:

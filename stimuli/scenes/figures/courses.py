@@ -132,8 +132,8 @@ def focus_sheet(result: Result, title: str) -> Figure:
     values = result.values
     drawn = names(values) if "t_s" in values else []
     slid = names(values, SLIDING_TIME) if SLIDING_TIME in values else []
-    stated = numbers(values)
-    lines = [title, *(";  ".join(stated[n : n + 3]) for n in range(0, len(stated), 3))]
+    texts = numbers(values)
+    lines = [title, *(";  ".join(texts[n : n + 3]) for n in range(0, len(texts), 3))]
     head_in = HEAD_IN * (1 + len(lines) / 3)
     heights = [MAP_IN, *(PANEL_IN * len(part) + AXIS_IN for part in (drawn, slid) if part)]
     figure = Figure(figsize=(MAPS_WIDTH_IN, sum(heights) + head_in), layout="constrained")

@@ -36,8 +36,8 @@ def recorded(signal: Signal, share: float) -> VoltageRecord:
 
     Raises `InvalidParameter` if the signal is not one channel in volt.
     """
-    result = f"{len(signal.samples)} channels in {signal.unit!r}"
-    expect(signal.unit == "V" and len(signal.samples) == 1, "signal", result, "one channel in volt ('V')")
+    found = f"{len(signal.samples)} channels in {signal.unit!r}"
+    expect(signal.unit == "V" and len(signal.samples) == 1, "signal", found, "one channel in volt ('V')")
     (voltage_v,) = signal.samples
     lines, n = np.fft.rfft(voltage_v), voltage_v.size
     power = lines.real**2 + lines.imag**2

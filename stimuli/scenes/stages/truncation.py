@@ -102,8 +102,8 @@ def cut(scene: Surroundings, error: float) -> Cut:
     follow = max(ratio, *(tail.end(half) for tail in tails))
     expected = moves / ratio**5 + max(tail.beyond(follow) for tail in tails)
 
-    band_hz, responses = surface.f_max_hz, next(share for above, share in HEARD if error >= above)
-    fewest = Cut(ratio * band_hz, follow * band_hz, responses * band_hz, expected)
+    band_hz, audible = surface.f_max_hz, next(share for above, share in HEARD if error >= above)
+    fewest = Cut(ratio * band_hz, follow * band_hz, audible * band_hz, expected)
     _check_size(scene, fewest, error)
     return fewest
 
@@ -154,9 +154,9 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
     following = n_static * scene.surface.n_transducers
     sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (n_static, MOST_MODES)
     numbers, most = max(sizes, key=lambda size: size[0] / size[1])
-    result = f"an error budget of {error:.2g} for the modes, which takes {numbers:.2g} numbers"
+    found = f"an error budget of {error:.2g} for the modes, which takes {numbers:.2g} numbers"
     expected = f"at most {most:.2g}; loosen the accuracy, lower f_max_hz or reversal_s, or use a thicker plate"
-    expect(numbers <= most, "accuracy", result, expected)
+    expect(numbers <= most, "accuracy", found, expected)
     for effect in scene.effects:
         most = effect.in_plate(scene).most_ritz_modes
         if n_static > most:

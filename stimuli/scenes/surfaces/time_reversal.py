@@ -99,8 +99,8 @@ class TimeReversal(GlassPanel, Surface):
     def __post_init__(self) -> None:
         require.positive("TimeReversal", **{k: v for k, v in vars(self).items() if k not in {"glass", "n_transducers"}})
         self._check_panel(highest_hz="f_max_hz")
-        result, expected = self.inset_m, f"less than half of the shorter side, {min(self.length_m, self.width_m) / 2} m"
-        require.expect(2 * self.inset_m < min(self.length_m, self.width_m), "TimeReversal.inset_m", result, expected)
+        found, expected = self.inset_m, f"less than half of the shorter side, {min(self.length_m, self.width_m) / 2} m"
+        require.expect(2 * self.inset_m < min(self.length_m, self.width_m), "TimeReversal.inset_m", found, expected)
         for name, side in (("focus_x_m", "length_m"), ("focus_y_m", "width_m")):
             at_m, side_m = getattr(self, name), getattr(self, side)
             require.expect(
@@ -228,9 +228,9 @@ class TimeReversal(GlassPanel, Surface):
         """
         step_m = sqrt(8 * demand.error) / wavenumber_rad_per_m(demand, self.f_max_hz)
         n_x, n_y = ceil(self.length_m / step_m) + 1, ceil(self.width_m / step_m) + 1
-        result = f"an error budget of {demand.error:.2g} for a grid, which takes {n_x} x {n_y} points"
+        found = f"an error budget of {demand.error:.2g} for a grid, which takes {n_x} x {n_y} points"
         expected = f"at most {MOST_POINTS:.2g} in all; loosen the accuracy or request focus_displacement_m"
-        require.expect(n_x * n_y <= MOST_POINTS, "field_m", result, expected)
+        require.expect(n_x * n_y <= MOST_POINTS, "field_m", found, expected)
         return n_x, n_y
 
     def grid_error(self, demand: Demand) -> float:

@@ -108,9 +108,9 @@ class Design:
 
     def __post_init__(self) -> None:
         held = n_held(self.plate, self.transducers.side_m)
-        result = f"{self.transducers.n} patches of {self.transducers.side_m * 1e3:.3g} mm"
+        found = f"{self.transducers.n} patches of {self.transducers.side_m * 1e3:.3g} mm"
         expected = f"at most {held} along the edges of the plate; use fewer or smaller ones"
-        expect(self.transducers.n <= held, "Transducers", result, expected)
+        expect(self.transducers.n <= held, "Transducers", found, expected)
 
     @property
     def noise_ratio(self) -> float:
@@ -341,10 +341,10 @@ def _too_fast(design: Design) -> tuple[str, ...]:
 
 def _about_time(design: Design) -> str:
     share = float(one_bit_amplitude_ratio(design.reversal_s, design.tau_s))
-    stated = f"time: T = {design.reversal_s * 1e3:.3g} ms uses {share:.0%} of the amplitude of an endless reversal"
+    text = f"time: T = {design.reversal_s * 1e3:.3g} ms uses {share:.0%} of the amplitude of an endless reversal"
     if design.repetition_s is None:
-        return stated
-    return f"{stated}; repetition multiplies the residual noise power by {design.noise_ratio:.2g}"
+        return text
+    return f"{text}; repetition multiplies the residual noise power by {design.noise_ratio:.2g}"
 
 
 def _about_stress(plate: Plate) -> str:

@@ -63,9 +63,9 @@ class Plate:
 
     def __post_init__(self) -> None:
         within("Plate", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
-        result = repr(self.boundary)
+        found = repr(self.boundary)
         expected = "four letters of S, C, F for the edges x=0, y=0, x=length, y=width, such as 'SSSS'"
-        expect(len(self.boundary) == 4 and set(self.boundary) <= set("SCF"), "Plate.boundary", result, expected)
+        expect(len(self.boundary) == 4 and set(self.boundary) <= set("SCF"), "Plate.boundary", found, expected)
 
     @property
     def area_m2(self) -> float:

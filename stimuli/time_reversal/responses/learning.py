@@ -207,8 +207,10 @@ def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -
 @checked
 def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str | float | int]) -> None:
     """Write responses as NPZ with their ``provenance`` as JSON."""
-    stated = json.dumps(dict(provenance))
-    np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity, provenance=stated)
+    content = json.dumps(dict(provenance))
+    np.savez(
+        path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity, provenance=content
+    )
 
 
 @checked

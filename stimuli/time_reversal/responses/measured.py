@@ -127,9 +127,9 @@ def _first(energy: FloatArray) -> int:
 def _clear_decay(energy: FloatArray) -> Decay:
     expect(_first(energy) <= N_BLOCKS // 2, "response", "its loudest part in the second half", "a decay; learn longer")
     decay = decay_of(energy)
-    result = f"a fall by {decay.fall_db:.1f} dB before its end or noise floor"
+    found = f"a fall by {decay.fall_db:.1f} dB before its end or noise floor"
     expected = f"at least {LEAST_FALL_DB:.0f} dB; learn longer responses, or average more of them"
-    expect(decay.fall_db >= LEAST_FALL_DB, "response", result, expected)
+    expect(decay.fall_db >= LEAST_FALL_DB, "response", found, expected)
     return decay
 
 
@@ -174,8 +174,8 @@ def read(paths: Sequence[Path], *, full_scale: Positive = 1.0, quantity: str = "
 @checked
 def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
     first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
-    result, expected = f"{start_s} and {duration_s}", f"a piece of {responses.duration_s} s"
-    expect(first >= 0 and n >= 1 and first + n <= responses.n_samples, "start_s, duration_s", result, expected)
+    found, expected = f"{start_s} and {duration_s}", f"a piece of {responses.duration_s} s"
+    expect(first >= 0 and n >= 1 and first + n <= responses.n_samples, "start_s, duration_s", found, expected)
     return replace(responses, samples=responses.samples[:, :, first : first + n])
 
 
@@ -306,8 +306,8 @@ def _read_wav(content: bytes, full_scale: float, quantity: str) -> Responses:
 def _read_npz(content: bytes, full_scale: float, quantity: str) -> Responses:
     del full_scale
     file = Npz(content)
-    stated = file.words("quantity") if "quantity" in file else quantity
-    return Responses(_numbers("samples", file["samples"]), file.number("rate_hz"), stated)
+    kind = file.words("quantity") if "quantity" in file else quantity
+    return Responses(_numbers("samples", file["samples"]), file.number("rate_hz"), kind)
 
 
 def _numbers(name: str, values: NDArray[Any]) -> FloatArray:
@@ -319,25 +319,25 @@ def _numbers(name: str, values: NDArray[Any]) -> FloatArray:
 def _read_csv(content: bytes, full_scale: float, quantity: str) -> Responses:
     del full_scale
     file = io.StringIO(content.decode("utf-8-sig"))
-    stated = _first_line(file.readline())
+    header = _first_line(file.readline())
     names = _header(file.readline())
     columns = table_of_numbers(file, n_columns=len(names))
-    kind = stated.get("quantity", quantity)
-    scale = float(stated.get("scale", "1")) * (_unit_scale(stated["unit"], kind) if "unit" in stated else 1.0)
-    return Responses(columns.T[None] * scale, float(stated["rate_hz"]), kind)
+    kind = header.get("quantity", quantity)
+    scale = float(header.get("scale", "1")) * (_unit_scale(header["unit"], kind) if "unit" in header else 1.0)
+    return Responses(columns.T[None] * scale, float(header["rate_hz"]), kind)
 
 
 def _first_line(line: str) -> dict[str, str]:
     """Parse the first line of a CSV file into its keys and values."""
     words = [word.partition("=")[::2] for word in line.lstrip("#").split()]
-    stated = dict(words)
-    for word in stated:
+    header = dict(words)
+    for word in header:
         one_of("first line", word, _CSV_WORDS)
-    if len(stated) < len(words):
+    if len(header) < len(words):
         raise ValueError(f"first line: found {line.strip()!r}, expected each key once")
-    if "rate_hz" not in stated:
+    if "rate_hz" not in header:
         raise ValueError("'rate_hz' is not in the first line, expected '# rate_hz=100000' for instance")
-    return stated
+    return header
 
 
 def _header(line: str) -> list[str]:

@@ -161,8 +161,8 @@ def _static_residual(
     screen: Screen, points: Sequence[Point], f_max_hz: float, static_to_hz: float, quantity: str
 ) -> FloatArray:
     """Return the static displacement by the modes above `f_max_hz`."""
-    result, expected = f"{static_to_hz} for {quantity}", f"a frequency above f_max_hz = {f_max_hz} and displacement"
-    expect(f_max_hz < static_to_hz < np.inf and quantity == "displacement", "static_to_hz", result, expected)
+    found, expected = f"{static_to_hz} for {quantity}", f"a frequency above f_max_hz = {f_max_hz} and displacement"
+    expect(f_max_hz < static_to_hz < np.inf and quantity == "displacement", "static_to_hz", found, expected)
     omega = screen.modes(static_to_hz).angular_frequency_rad_per_s
     left_out = omega > 2 * np.pi * f_max_hz
     compliance = left_out / (screen.plate.mass_kg * np.where(left_out, omega, 1.0) ** 2)

@@ -72,14 +72,14 @@ class Attenuation(Effect):
         """Return tau at the end of the band and the ringing time of three tau."""
         f_max_hz: float = scene.surface.f_max_hz
         decades = abs(self.exponent * math.log10(f_max_hz / self.reference_hz))
-        result = f"{self.exponent:g}, by which tau changes {decades:.3g} decades up to f_max_hz"
-        expect(decades <= MOST_DECADES, "attenuation.exponent", result, f"at most {MOST_DECADES:g}; lower it")
+        found = f"{self.exponent:g}, by which tau changes {decades:.3g} decades up to f_max_hz"
+        expect(decades <= MOST_DECADES, "attenuation.exponent", found, f"at most {MOST_DECADES:g}; lower it")
         lossless = "a finite time; omit the effect if there are no losses"
         expect(math.isfinite(self.tau_s), "attenuation.tau_s", self.tau_s, lossless)
         return PlateContent(tau_s=float(1 / self.rate_per_s(f_max_hz)), ringing_s=3 * self.tau_s)
 
     def in_setup(self) -> dict[str, float]:
         """Return the one time constant of a stimulus's plate."""
-        result = f"{self.exponent:g} for a played signal"
-        expect(self.exponent == 0, "attenuation.exponent", result, "0: the plate of a stimulus has one tau_s")
+        found = f"{self.exponent:g} for a played signal"
+        expect(self.exponent == 0, "attenuation.exponent", found, "0: the plate of a stimulus has one tau_s")
         return {"tau_s": self.tau_s}

@@ -209,6 +209,6 @@ def border(
 def _inside(plate: Plate, name: str, centre: tuple[float, float], half: tuple[float, float]) -> None:
     room = EDGE_TOLERANCE * max(plate.length_m, plate.width_m)
     for at, reach, side in zip(centre, half, (plate.length_m, plate.width_m), strict=True):
-        result = f"a transducer of {2 * half[0]} x {2 * half[1]} m at {centre} m"
+        found = f"a transducer of {2 * half[0]} x {2 * half[1]} m at {centre} m"
         expected = f"one within the plate of {plate.length_m} x {plate.width_m} m"
-        expect(reach - room <= at <= side - reach + room, name, result, expected)
+        expect(reach - room <= at <= side - reach + room, name, found, expected)

@@ -102,10 +102,10 @@ class TimeReversalStimulus:
         one_of("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
         responses, focus = self.heard, self.focus
         if responses is not None:
-            result = f"{responses.n_points} points and {responses.n_channels} channels"
+            found = f"{responses.n_points} points and {responses.n_channels} channels"
             expected = f"{focus.n_points} and {focus.n_channels} as in focus"
             expect(
-                responses.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", result, expected
+                responses.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", found, expected
             )
         check_supply("TimeReversalStimulus", self.supply_v, self.quantiser)
         if self.reversal_s is not None:

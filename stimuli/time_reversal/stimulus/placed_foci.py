@@ -180,5 +180,5 @@ def check_fingers(where: str, setup: Setup, places: Mapping[str, Place], fingers
     for name, other in combinations(at_m, 2):
         apart_m = dist(at_m[name], at_m[other])
         wide = f"at least the {1e3 * FINGER_DIAMETER_M:g} mm of a fingertip; move a place or name fewer fingers"
-        result = f"{name} and {other} {1e3 * apart_m:.3g} mm apart"
-        expect(apart_m >= FINGER_DIAMETER_M * (1 - 1e-9), where, result, wide)
+        found = f"{name} and {other} {1e3 * apart_m:.3g} mm apart"
+        expect(apart_m >= FINGER_DIAMETER_M * (1 - 1e-9), where, found, wide)

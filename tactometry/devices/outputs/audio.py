@@ -279,7 +279,7 @@ def _check_own(sounddevice: Any, device: str) -> None:
 
 
 def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
-    required = f"{max(settings.channels) + 1} channels at {settings.rate_hz:g} Hz as {settings.sample_format}"
+    wanted_format = f"{max(settings.channels) + 1} channels at {settings.rate_hz:g} Hz as {settings.sample_format}"
     try:
         known = ", ".join(
             repr(device["name"]) for device in sounddevice.query_devices() if device["max_output_channels"]
@@ -288,7 +288,7 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
         known = ""
     devices = f"the devices are {known}" if known else "the system has no output device"
     return (
-        f"output audio: cannot open {settings.device} with {required} "
+        f"output audio: cannot open {settings.device} with {wanted_format} "
         f"({' '.join(str(error).split())}); {devices}; nothing was played"
     )
 

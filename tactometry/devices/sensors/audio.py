@@ -51,9 +51,9 @@ class AudioInput(Source):
 
     def open(self) -> None:
         sounddevice, settings = library(), self._settings
-        required = f"cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz"
+        problem = f"cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz"
         with attempt(
-            self.name, required, "an input that supports this format", (sounddevice.PortAudioError, ValueError)
+            self.name, problem, "an input that supports this format", (sounddevice.PortAudioError, ValueError)
         ):
             self._stream = sounddevice.InputStream(
                 device=settings.device,

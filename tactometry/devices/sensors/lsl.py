@@ -95,15 +95,15 @@ class LslSource(Source):
             raise DeviceFailed(f"{self.name}: found no such stream in {search_s:g} s, expected a running outlet")
         # search again: the first search ends with the first outlet that answers
         outlets = pylsl.resolve_byprop("name", self._settings.stream, MOST_OUTLETS, OTHERS_WITHIN_S)
-        required = [info for info in outlets if self._source_id in (None, info.source_id())]
-        if len(required) != 1:
+        matching = [info for info in outlets if self._source_id in (None, info.source_id())]
+        if len(matching) != 1:
             ids = ", ".join(sorted(repr(info.source_id()) for info in outlets))
             one = "one" if self._source_id is None else f"one with {self._source_id!r}"
             raise DeviceFailed(
                 f"{self.name}: found outlets of this name with the source ids {ids}, expected {one}; state source_id "
                 "in the bench file, and stop the other outlets"
             )
-        return required[0]
+        return matching[0]
 
     def receive(self) -> SampleBlock | None:
         pylsl = _library()

@@ -112,12 +112,12 @@ class ExperimenterTerminal:
         """
         reason = trial.invalid_reason
         if trial.valid:
-            stated = self.phrase("valid")
+            text = self.phrase("valid")
         else:
-            stated = self.phrase("not_valid_why", reason=self.phrase(reason)) if reason else self.phrase("not_valid")
+            text = self.phrase("not_valid_why", reason=self.phrase(reason)) if reason else self.phrase("not_valid")
         if trial.trial == n_announced:
-            return stated
-        return stated + self.phrase(
+            return text
+        return text + self.phrase(
             "place_again" if trial.attempt > 1 else "place", trial=trial.trial, attempt=trial.attempt
         )
 

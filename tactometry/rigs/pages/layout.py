@@ -245,8 +245,8 @@ def steps_after(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, boo
     """
     if answer == CONFIRM:
         return n_steps, True
-    required = n_steps + (1 if answer == UP else -1)
-    return (required if request.low <= request.level(required) <= request.high else n_steps), False
+    moved = n_steps + (1 if answer == UP else -1)
+    return (moved if request.low <= request.level(moved) <= request.high else n_steps), False
 
 
 SCALE: Final = 0.55
