@@ -1,17 +1,15 @@
 """Force and speed around stimulus onset, per participant, for reports."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.reading.trials import read_trials, used_rows
-from tactometry.analysis.tasks.measurement import TASK, loss_table
-from tactometry.errors import InvalidFile, TactometryError
+from tactometry.errors import TactometryError
 from tactometry.gates import speeds_m_per_s
 from tactometry.records.data_set import sessions
 from tactometry.records.journal import read
@@ -19,9 +17,7 @@ from tactometry.records.traces import FOLDER, kind_of, read_part
 from tactometry.session.answer import Touched
 from tactometry.session.request import Press, Slide
 from tactometry.signal import FloatArray
-from tactometry.stimuli.time_reversal.finger import FINGER_DIAMETER_M, LossRow
 
-from ..study.study_file import load
 from .traces import RecordedTouch, touches
 
 BEFORE_S: Final = 0.5
@@ -132,31 +128,3 @@ def _table(wanted: Wanted, courses: list[MeasuredCourse], n_unread: int) -> pd.D
     numbers = {"time_s": times_s[some].round(6), "low": low, "median": median, "high": high}
     whose = dict(zip(COLUMNS, wanted[:3], strict=False))
     return pd.DataFrame({**whose, **band, **numbers, "n_touches": n_touches[some], "n_unread": n_unread})
-
-
-FACTORS: Final = ("contactor", "place", "force_n")
-
-
-def measured_losses(path: Path) -> list[LossRow]:
-    """Return the mean loss of each condition of the study `force-loss`.
-
-    `figures.prototype.loss_over_force(model, measured)` plots them. The study file states kind and diameter of each
-    contactor.
-
-    Raises `InvalidFile` if the data set has other factors or no readings.
-    """
-    trials = read_trials(path)
-    if set(trials.factors) != set(FACTORS):
-        raise InvalidFile(f"{path}: found the factors {', '.join(trials.factors)}, expected {', '.join(FACTORS)}")
-    used = used_rows(trials)
-    losses = loss_table(used[used["task"] == TASK], FACTORS)
-    if losses.empty:
-        raise InvalidFile(f"{path}: found no measured level, expected readings of the study force-loss")
-    variants = load(str(path / "study.toml"))[0].variants["contactor"]
-    rows = losses.to_dict("records")
-    return [LossRow(*_contactor(variants, row), row["place"], row["force_n"], row["mean"]) for row in rows]
-
-
-def _contactor(variants: Mapping[str, Mapping[str, Any]], row: Mapping[Any, Any]) -> tuple[str, float]:
-    sensation = variants[row["contactor"]]["sensation"]
-    return sensation["contactor"], sensation.get("diameter_m", FINGER_DIAMETER_M)

@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from datetime import date
 from difflib import get_close_matches
 from functools import cache
-from importlib.resources import files
 from typing import Any, Final
 
 from tactometry.config.strict import build, build_kind
-from tactometry.config.toml import merge, table_of
+from tactometry.config.toml import merge, shipped_table
 from tactometry.errors import InvalidParameter
 from tactometry.loading import resolve
 
@@ -72,9 +71,7 @@ class KeyTable:
         return self.made(build(self.reader, own, path, **self.given(), **parts))
 
 
-_LISTED: Final[Mapping[str, dict[str, Values]]] = table_of(
-    (files(__package__) / "tables.toml").read_bytes(), "tables.toml", "reference tables"
-)
+_LISTED: Final[Mapping[str, dict[str, Values]]] = shipped_table(__package__, "tables")
 PAGES: Final = tuple(_LISTED)
 """Documentation pages."""
 

@@ -7,14 +7,13 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import partial
 from importlib import import_module
-from importlib.resources import files
 from math import inf, isfinite
 from types import ModuleType
 from typing import Any, Final, Literal
 
 from tactometry.arguments.require import expect
 from tactometry.config.strict import build
-from tactometry.config.toml import table_of
+from tactometry.config.toml import shipped_table
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.loading import resolve
 from tactometry.observers.signal_detection import SignalDetectionObserver
@@ -103,9 +102,7 @@ def groups() -> tuple[Group, ...]:
     >>> [group.name for group in groups()][:3]
     ['skin', 'skin_leakage', 'contact_area']
     """
-    file = files("tactometry.stimuli") / "sources.toml"
-    table = table_of(file.read_bytes(), "sources.toml", "a table of sources")
-    return tuple(_group(name, dict(rows)) for name, rows in table.items())
+    return tuple(_group(name, dict(rows)) for name, rows in shipped_table("tactometry.stimuli", "sources").items())
 
 
 def parameters() -> tuple[Parameter, ...]:

@@ -4,18 +4,15 @@
 """
 
 from importlib import import_module
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Final
 
-from tactometry.config.toml import table_of
+from tactometry.config.toml import shipped_table
 from tactometry.loading import resolve
 
 if TYPE_CHECKING:
     from .reproduction import Reproduction
 
-_ITEMS: Final[dict[str, dict[str, Any]]] = table_of(
-    (files(__package__) / "items.toml").read_bytes(), "items.toml", "a table of items"
-)
+_ITEMS: Final[dict[str, dict[str, Any]]] = shipped_table(__package__, "items")
 REPRODUCTIONS: Final = tuple(_ITEMS)
 """Names of the items, in the order of the page."""
 

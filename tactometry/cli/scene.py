@@ -64,7 +64,7 @@ def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) 
     if cache is None:
         with errors_in(file):
             return compute(plan, given)
-    from tactometry.stimuli.scenes.plan import cached_result
+    from tactometry.stimuli.scenes.cache import cached_result
 
     with writing(cache), errors_in(file):
         return cached_result(plan, given, cache)

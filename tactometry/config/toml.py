@@ -105,6 +105,16 @@ def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str
     return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")
 
 
+def shipped_table(package: str, name: str) -> dict[str, Any]:
+    """Return the table of a TOML file of a package, which no user writes.
+
+    >>> shipped_table("tactometry.questionnaires", "attrakdiff")["name"]
+    'attrakdiff'
+    """
+    file = f"{name}{SUFFIX}"
+    return table_of((files(package) / file).read_bytes(), file, "a table")
+
+
 def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
     """Return a table with some keys changed, including keys of inner tables.
 

@@ -17,7 +17,8 @@ from hypothesis import given, strategies as st
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import ConstantStimuli, MethodOfLimits, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch.answers import AS_ASKED, LevelTable, criteria
-from tactometry.protocols.batch.tracks import NOT_ASKED, loop_of, tracks
+from tactometry.protocols.batch.loop import loop_of
+from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
 from tactometry.protocols.bayesian.outcome_model import FunctionModel
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.quest import Placing
@@ -231,7 +232,7 @@ def test_machine_code_is_shared_between_processes(monkeypatch):
         return made[-1]
 
     tracks(rule, np.zeros((1, 2)))
-    monkeypatch.setattr("tactometry.protocols.batch.tracks.loop_of", as_a_new_process_makes_it)
+    monkeypatch.setattr("tactometry.protocols.batch.loop.loop_of", as_a_new_process_makes_it)
     tracks(rule, np.zeros((1, 2)))
     assert sum(made[0].stats.cache_hits.values()) == 1
 

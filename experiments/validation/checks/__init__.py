@@ -1,17 +1,14 @@
 """Checks by name, listed in `checks.toml`. Each is imported when requested."""
 
 from importlib import import_module
-from importlib.resources import files
 from typing import Any, Final
 
-from tactometry.config.toml import table_of
+from tactometry.config.toml import shipped_table
 from tactometry.loading import resolve
 
 from ..check import Check
 
-_LISTED: Final[dict[str, dict[str, Any]]] = table_of(
-    (files(__package__) / "checks.toml").read_bytes(), "checks.toml", "a table of checks"
-)
+_LISTED: Final[dict[str, dict[str, Any]]] = shipped_table(__package__, "checks")
 CHECKS: Final = tuple(_LISTED)
 """Names of the checks, in the order of the page."""
 

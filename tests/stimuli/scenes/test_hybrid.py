@@ -8,9 +8,10 @@ from scene_cases import effect, panel, screen, small_screen
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.scenes import plan
+from tactometry.stimuli.scenes import cache
+from tactometry.stimuli.scenes.cache import cached_result
 from tactometry.stimuli.scenes.figures.courses import write_film
-from tactometry.stimuli.scenes.plan import cached_result, compute
+from tactometry.stimuli.scenes.plan import compute
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
@@ -75,7 +76,7 @@ def counting(monkeypatch):
         runs.append(plan)
         return compute(plan, given)
 
-    monkeypatch.setattr(plan, "compute", counted)
+    monkeypatch.setattr(cache, "compute", counted)
     return runs
 
 
@@ -115,13 +116,13 @@ def test_damaged_cache_file_is_recomputed(tmp_path, monkeypatch, damage):
 
 
 def test_cache_detects_any_flipped_bit(tmp_path):
-    plan._write(tmp_path / "a.npz", {"peak_m": 1e-6})
+    cache._write(tmp_path / "a.npz", {"peak_m": 1e-6})
     content = (tmp_path / "a.npz").read_bytes()
     for n in range(len(content)):
         turned = bytearray(content)
         turned[n] ^= 1 << n % 8
         (tmp_path / "b.npz").write_bytes(turned)
-        assert plan._read(tmp_path / "b.npz") in (None, {"peak_m": 1e-6})
+        assert cache._read(tmp_path / "b.npz") in (None, {"peak_m": 1e-6})
 
 
 def test_cache_separates_outputs_of_equal_stages(tmp_path):
@@ -134,7 +135,7 @@ def test_cache_separates_outputs_of_equal_stages(tmp_path):
 def test_a_result_of_another_version_is_computed_again(tmp_path, monkeypatch):
     runs = counting(monkeypatch)
     kept(HYBRID, tmp_path)
-    monkeypatch.setattr(plan, "versions", lambda: {"numpy": "0"})
+    monkeypatch.setattr(cache, "versions", lambda: {"numpy": "0"})
     kept(HYBRID, tmp_path)
     assert len(runs) == 2
 

@@ -8,7 +8,7 @@ from scipy.stats import t as student
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.summary import summary
 from tactometry.errors import InvalidFile
-from tactometry.experiments.data_sets.touch_courses import measured_losses
+from tactometry.experiments.data_sets.force_loss import measured_losses
 from tactometry.experiments.study.study_file import builtin
 from tactometry.experiments.thesis.figures.focus import loss_over_force
 
