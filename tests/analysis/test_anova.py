@@ -182,7 +182,7 @@ def test_refuses_four_factors(published) -> None:
     ],
     ids=["complete", "participant", "condition", "factor"],
 )
-def test_largest_complete_part_drops_what_is_missing(published, is_kept, within, left_out, n_rows) -> None:
+def test_largest_complete_part_omits_missing_cells(published, is_kept, within, left_out, n_rows) -> None:
     table = published.assign(y=published["y"].where(is_kept(published)))
     part = largest_complete(table, dependent="y", within=WITHIN, subject="subject")
     assert (part.within, part.left_out, len(part.table)) == (within, left_out, n_rows)

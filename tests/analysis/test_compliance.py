@@ -229,7 +229,7 @@ def test_rule_is_replayed_only_on_recorded_scale(level_scale, is_replayed, tmp_p
     assert bool(blocks) == is_replayed
 
 
-def test_without_courses_there_is_no_table_of_touches(tmp_path) -> None:
+def test_no_table_of_touches_without_courses(tmp_path) -> None:
     found = analyse(RECORDED / "same-different", report=tmp_path / "r.html", touches=pd.DataFrame)
     assert "touches" not in found.tables
     assert not (tmp_path / "r_tables" / "touches.csv").exists()

@@ -178,7 +178,7 @@ def test_choices_without_a_right_answer_are_counted(capsys, tmp_path):
         ("correct", "set n_alternatives = 2 in [constants] of the column map"),
     ],
 )
-def test_choices_need_what_makes_them_correct(capsys, tmp_path, column, message):
+def test_choices_require_the_correct_answer(capsys, tmp_path, column, message):
     table = written(tmp_path, [f"participant,level,{column}", "S1,1,1"], FORCED_CHOICE)
     assert message in refusal(capsys, table)
 

@@ -109,7 +109,7 @@ def coins():
     return measure(known(), n_rounds=1)
 
 
-def test_point_states_what_it_took(coins):
+def test_point_has_price_times_and_size(coins):
     for point in coins.points:
         assert min(point.price, point.first_s, point.median_s) > 0
         assert point.spread_s >= 0

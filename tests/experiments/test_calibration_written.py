@@ -135,7 +135,7 @@ def test_force_fit_recovers_polynomial(offset_n, slope, falling, bend):
     assert fit.residual_rms_n < 1e-9
 
 
-def test_residuals_are_what_the_fit_leaves():
+def test_fit_residuals_sum_to_zero():
     rng = np.random.default_rng(2)
     counts = np.arange(20.0) * 100
     fit = fit_force((0.01 * counts + 0.02 * rng.standard_normal(20) + 1) / 9.80665, counts)

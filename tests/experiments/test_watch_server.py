@@ -180,7 +180,7 @@ def test_page_ends_when_run_is_killed(tmp_path):
 
 
 @pytest.mark.slow
-def test_run_tells_the_address_of_its_page(tmp_path, capsys):
+def test_run_prints_the_address_of_its_page(tmp_path, capsys):
     words = ("run", "tutorial", "--participant", "P01", "--rig", "simulated", "--out", tmp_path / "d", "--watch")
     code, said, _ = call(capsys, *words)
     assert code == 0

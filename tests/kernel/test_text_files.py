@@ -171,6 +171,6 @@ def test_json_items_yields_the_items_of_all_lists(lists, indent, between):
 
 
 @pytest.mark.parametrize("text", ["{}", "[1", "[1,", "[1,]", "[,1]", "[1 2]", "[1]]", "[1] 2", "[" * 10**5])
-def test_json_items_refuses_text_that_is_no_list(text):
+def test_json_items_refuses_text_without_a_list(text):
     with pytest.raises(ValueError, match=r"Expecting|nested deeper"):
         list(json_items(text))

@@ -250,7 +250,7 @@ def steps_after(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, boo
 
 
 SCALE: Final = 0.55
-"""Scale of the picture. It is small, so that nobody mistakes its circle for the circle of a real touch."""
+"""Scale of the picture. It is small, so that its circle is not mistaken for that of a real touch."""
 PLACES: Final[Mapping[str, tuple[float, float]]] = {
     "circle": (-0.2, 0.13),
     "bar": (0.4, 0.33),

@@ -154,7 +154,7 @@ def page_of(requests, n):
 
 
 KNOWN_BY = {"words": 1.0, "form": 0.08}
-"""The part of a page, from its top, that tells it from others: all of a text, a form's prompt and page number."""
+"""Share of a page, from its top, that identifies it: a whole text, or the prompt and page number of a form."""
 
 
 def killed_on_each_page(seat, turns):

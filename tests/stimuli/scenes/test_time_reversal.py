@@ -345,7 +345,7 @@ def test_light_finger_lifts_off_next_to_firm_finger():
     assert light_s > 0 == firm_s
 
 
-def test_no_voltage_throws_nothing_off():
+def test_finger_stays_in_contact_without_voltage():
     got = touched(effect("lift_off")).resolve().run({"voltage_v": 0.0})
     assert not any(np.any(got[name]) for name in (*COURSES[1:], "contact_lost_s"))
 

@@ -5,7 +5,7 @@ from hostile import complaints, faults
 from time_reversal_calls import calls
 
 UNBOUNDED = ("a_weighting_db", "a_weighted_db", "noise", "schroeder_db", "tau_s", "t60_s", "stiffness_n_per_m")
-"""What may be infinite: silence, a plate without losses, a rigid contact."""
+"""Quantities that may be infinite: of silence, of a plate without losses, of a rigid contact."""
 
 
 @pytest.fixture(scope="module")
