@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
-from grouped_design import study
+from designs import study
 from hard_cases import exact_case, hard_case
 from published_design import PUBLISHED, WITHIN, long_table
 

@@ -7,10 +7,9 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from designs import NAMES, drawn, long_table
+from designs import GIVEN, NAMES, cut, drawn, long_table
 from examples import examples
 from hypothesis import given, strategies as st
-from open_ends import GIVEN, cut
 from scipy.special import fdtrc
 from scipy.stats import f as fisher, ncf, norm, t as student
 from soak import SOAK
